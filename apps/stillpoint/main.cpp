@@ -1,0 +1,16 @@
+/// `stillpoint`: the command line tool. `stillpoint --help` lists the commands.
+#include "apps/stillpoint/commands.h"
+
+int main(int argc, char** argv) {
+  using namespace stillpoint;
+  CLI::App cli{"Self-calibrating attitude, and the physics a simulation left out."};
+  cli.require_subcommand(1);
+  app::Run run;
+  app::add_check(cli, run);
+  try {
+    cli.parse(argc, argv);
+  } catch (const CLI::ParseError& e) {
+    return cli.exit(e) == 0 ? 0 : static_cast<int>(ErrorKind::kUsage);
+  }
+  return run();
+}

@@ -1,0 +1,13 @@
+/// Constants and conversions at the edges; inside everything is SI and radians.
+#pragma once
+#include <numbers>
+
+namespace stillpoint {
+
+inline constexpr double kStandardGravity_mps2 = 9.80665;
+inline constexpr double kRadPerDeg = std::numbers::pi / 180.0;
+inline constexpr double kDegPerRad = 180.0 / std::numbers::pi;
+inline constexpr double kSecondsPerNs = 1e-9;
+inline constexpr double kNsPerSecond = 1e9;
+
+}  // namespace stillpoint

@@ -1,0 +1,173 @@
+#include "io/yaml.h"
+
+#include <algorithm>
+#include <fstream>
+#include <numeric>
+#include <sstream>
+
+namespace stillpoint::io {
+namespace {
+
+/// Levenshtein distance.
+std::size_t edits(const std::string& a, const std::string& b) {
+  std::vector<std::size_t> row(b.size() + 1);
+  std::iota(row.begin(), row.end(), std::size_t{0});
+  for (std::size_t i = 1; i <= a.size(); ++i) {
+    std::size_t diagonal = std::exchange(row[0], i);
+    for (std::size_t j = 1; j <= b.size(); ++j) {
+      const std::size_t change = diagonal + (a[i - 1] == b[j - 1] ? 0 : 1);
+      diagonal = std::exchange(row[j], std::min({row[j] + 1, row[j - 1] + 1, change}));
+    }
+  }
+  return row[b.size()];
+}
+
+/// yaml-cpp keeps the last of two equal keys without a word.
+void find_repeated_keys(const YAML::Node& node, YamlFaults& faults) {
+  if (node.IsSequence())
+    for (const auto& item : node) find_repeated_keys(item, faults);
+  if (!node.IsMap()) return;
+  std::set<std::string> seen;
+  for (const auto& entry : node) {
+    if (entry.first.IsScalar() && !seen.insert(entry.first.Scalar()).second)
+      faults.add(entry.first, fmt::format("key '{}' stands twice; remove one", entry.first.Scalar()));
+    find_repeated_keys(entry.second, faults);
+  }
+}
+
+bool read_number(const YAML::Node& node, double& out, const Range& range, const std::string& key, YamlFaults& faults) {
+  double value = 0.0;
+  if (!node.IsScalar() || !YAML::convert<double>::decode(node, value)) {
+    faults.add(node, fmt::format("'{}' must be a number{}", key,
+                                 node.IsScalar() ? fmt::format(", not '{}'", node.Scalar()) : ""));
+    return false;
+  }
+  if (!range.holds(value)) {
+    faults.add(node, std::isfinite(value)
+                         ? fmt::format("'{}' is {}, allowed is {:g} to {:g}", key, node.Scalar(), range.low, range.high)
+                         : fmt::format("'{}' is {}; it must be a finite number", key, node.Scalar()));
+    return false;
+  }
+  out = value;
+  return true;
+}
+
+}  // namespace
+
+void YamlFaults::add(const YAML::Node& where, const std::string& what) {
+  const YAML::Mark mark = where.Mark();
+  messages_.push_back(fmt::format("{}:{}:{}: {}", file_, mark.line + 1, mark.column + 1, what));
+}
+
+tl::unexpected<Error> YamlFaults::error() const {
+  return fail(ErrorKind::kBadConfig, fmt::format("{}", fmt::join(messages_, "\n")));
+}
+
+Result<YAML::Node> parse_yaml(const std::string& text, const std::string& name) {
+  try {
+    YAML::Node root = YAML::Load(text);
+    if (!root.IsMap())
+      return fail(ErrorKind::kBadConfig, fmt::format("{}:1:1: the file must hold keys with values", name));
+    YamlFaults faults(name);
+    find_repeated_keys(root, faults);
+    if (!faults.empty()) return faults.error();
+    return root;
+  } catch (const YAML::Exception& e) {
+    return fail(ErrorKind::kBadConfig,
+                fmt::format("{}:{}:{}: not valid YAML: {}", name, e.mark.line + 1, e.mark.column + 1, e.msg));
+  }
+}
+
+Result<YAML::Node> load_yaml(const std::string& path) {
+  std::ifstream file(path, std::ios::binary);
+  if (!file)
+    return fail(ErrorKind::kNoInput, fmt::format("{}: cannot be opened; check the path and its permissions", path));
+  std::ostringstream text;
+  text << file.rdbuf();
+  return parse_yaml(text.str(), path);
+}
+
+std::string suggestion(const std::string& key, const std::vector<std::string>& known) {
+  const auto nearest = std::min_element(known.begin(), known.end(), [&](const auto& a, const auto& b) {
+    return edits(key, a) < edits(key, b);
+  });
+  if (nearest != known.end() && edits(key, *nearest) <= std::max<std::size_t>(2, key.size() / 3))
+    return fmt::format("; did you mean '{}'?", *nearest);
+  return fmt::format("; known here: {}", fmt::join(known, ", "));
+}
+
+void refuse_unknown_keys(const YAML::Node& map, const std::vector<std::string>& known, YamlFaults& faults) {
+  for (const auto& entry : map) {
+    const std::string key = entry.first.IsScalar() ? entry.first.Scalar() : "(not a name)";
+    if (std::find(known.begin(), known.end(), key) == known.end())
+      faults.add(entry.first, fmt::format("unknown key '{}'{}", key, suggestion(key, known)));
+  }
+}
+
+void read_value(const YAML::Node& node, double& out, const Range& range, const std::string& key, YamlFaults& faults) {
+  read_number(node, out, range, key, faults);
+}
+
+void read_value(const YAML::Node& node, int& out, const Range& range, const std::string& key, YamlFaults& faults) {
+  double value = out;
+  if (!read_number(node, value, range, key, faults)) return;
+  if (value != std::floor(value) || std::abs(value) > 2e9)
+    return faults.add(node, fmt::format("'{}' must be a whole number, not {}", key, node.Scalar()));
+  out = static_cast<int>(value);
+}
+
+void read_value(const YAML::Node& node, bool& out, const Range&, const std::string& key, YamlFaults& faults) {
+  if (!node.IsScalar() || !YAML::convert<bool>::decode(node, out))
+    faults.add(node, fmt::format("'{}' must be true or false", key));
+}
+
+void read_value(const YAML::Node& node, std::string& out, const Range&, const std::string& key, YamlFaults& faults) {
+  if (!node.IsScalar()) return faults.add(node, fmt::format("'{}' must be a text", key));
+  out = node.Scalar();
+}
+
+void read_value(const YAML::Node& node, std::vector<double>& out, const Range& range, const std::string& key,
+                YamlFaults& faults) {
+  std::vector<double> values;
+  if (node.IsScalar()) {
+    double x = 0.0;
+    if (!read_number(node, x, range, key, faults)) return;
+    values.push_back(x);
+  } else if (node.IsSequence()) {
+    for (const auto& item : node) {
+      std::vector<double> inner;  // a list of rows is flattened row by row
+      const std::size_t before = faults.messages().size();
+      read_value(item, inner, range, key, faults);
+      if (faults.messages().size() != before) return;
+      values.insert(values.end(), inner.begin(), inner.end());
+    }
+  } else {
+    return faults.add(node, fmt::format("'{}' must be a number or a list of numbers", key));
+  }
+  out = std::move(values);
+}
+
+void read_value(const YAML::Node& node, Vec3& out, const Range& range, const std::string& key, YamlFaults& faults) {
+  if (!node.IsSequence() || node.size() != 3)
+    return faults.add(node, fmt::format("'{}' must be three numbers, [x, y, z]", key));
+  Vec3 value;
+  for (std::size_t i = 0; i < 3; ++i)
+    if (!read_number(node[i], value[static_cast<Eigen::Index>(i)], range, key, faults)) return;
+  out = value;
+}
+
+void read_value(const YAML::Node& node, Mat3& out, const Range& range, const std::string& key, YamlFaults& faults) {
+  if (!node.IsSequence() || node.size() != 3)
+    return faults.add(node, fmt::format("'{}' must be three rows of three numbers", key));
+  Mat3 value;
+  for (std::size_t i = 0; i < 3; ++i) {
+    const std::size_t before = faults.messages().size();
+    Vec3 row = Vec3::Zero();
+    read_value(node[i], row, range, key, faults);
+    if (faults.messages().size() != before) return;
+    value.row(static_cast<Eigen::Index>(i)) = row.transpose();
+  }
+  out = value;
+}
+
+}  // namespace stillpoint::io

@@ -1,0 +1,85 @@
+/// YAML into structs that list their fields (core/fields.h). Every fault is reported, each as file:line:column, not only the first.
+#pragma once
+#include <fmt/format.h>
+#include <yaml-cpp/yaml.h>
+
+#include <array>
+#include <cmath>
+#include <optional>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "core/fields.h"
+#include "core/result.h"
+#include "core/types.h"
+
+namespace stillpoint::io {
+
+/// Collects what is wrong with one file.
+class YamlFaults {
+ public:
+  explicit YamlFaults(std::string file) : file_(std::move(file)) {}
+  void add(const YAML::Node& where, const std::string& what);
+  [[nodiscard]] bool empty() const { return messages_.empty(); }
+  [[nodiscard]] const std::vector<std::string>& messages() const { return messages_; }
+  [[nodiscard]] tl::unexpected<Error> error() const;  ///< all messages, one a line, exit code 78
+
+ private:
+  std::string file_;
+  std::vector<std::string> messages_;
+};
+
+/// Parses a file into a map node. Fails with the position on bad YAML and on repeated keys, which yaml-cpp lets pass.
+[[nodiscard]] Result<YAML::Node> load_yaml(const std::string& path);
+[[nodiscard]] Result<YAML::Node> parse_yaml(const std::string& text, const std::string& name);
+
+/// "; did you mean 'x'?" for the nearest known key within two edits, else the list of keys.
+[[nodiscard]] std::string suggestion(const std::string& key, const std::vector<std::string>& known);
+
+/// Reports every key of the map that is not in `known`.
+void refuse_unknown_keys(const YAML::Node& map, const std::vector<std::string>& known, YamlFaults& faults);
+
+// One read_value per type a field may have. Each leaves `out` as it was when it reports a fault.
+void read_value(const YAML::Node& node, double& out, const Range& range, const std::string& key, YamlFaults& faults);
+void read_value(const YAML::Node& node, int& out, const Range& range, const std::string& key, YamlFaults& faults);
+void read_value(const YAML::Node& node, bool& out, const Range& range, const std::string& key, YamlFaults& faults);
+void read_value(const YAML::Node& node, std::string& out, const Range& range, const std::string& key, YamlFaults& faults);
+void read_value(const YAML::Node& node, Vec3& out, const Range& range, const std::string& key, YamlFaults& faults);
+void read_value(const YAML::Node& node, Mat3& out, const Range& range, const std::string& key, YamlFaults& faults);
+void read_value(const YAML::Node& node, std::vector<double>& out, const Range& range, const std::string& key,
+                YamlFaults& faults);
+
+template <HasFields P>
+void read_fields(const YAML::Node& map, P& out, YamlFaults& faults);
+
+template <HasFields P>
+void read_value(const YAML::Node& node, P& out, const Range&, const std::string&, YamlFaults& faults) {
+  read_fields(node, out, faults);
+}
+template <HasFields P>
+void read_value(const YAML::Node& node, std::optional<P>& out, const Range&, const std::string&, YamlFaults& faults) {
+  read_fields(node, out.emplace(), faults);
+}
+template <HasFields P>
+void read_value(const YAML::Node& node, std::vector<P>& out, const Range&, const std::string& key, YamlFaults& faults) {
+  if (!node.IsSequence()) return faults.add(node, fmt::format("'{}' must be a list", key));
+  out.clear();
+  for (const auto& item : node) read_fields(item, out.emplace_back(), faults);
+}
+
+/// Reads every field of P that is in the map; the others keep their defaults.
+template <HasFields P>
+void read_fields(const YAML::Node& map, P& out, YamlFaults& faults) {
+  if (!map.IsMap()) return faults.add(map, "expected keys with values here");
+  std::vector<std::string> known;
+  std::apply([&](const auto&... f) { (known.emplace_back(f.name), ...); }, P::fields());
+  refuse_unknown_keys(map, known, faults);
+  const auto read_one = [&](const auto& f) {
+    const std::string key(f.name);
+    if (const YAML::Node node = map[key]) read_value(node, out.*(f.member), f.range, key, faults);
+  };
+  std::apply([&](const auto&... f) { (read_one(f), ...); }, P::fields());
+}
+
+}  // namespace stillpoint::io

@@ -1,0 +1,39 @@
+#include "io/recording.h"
+
+#include <gmock/gmock.h>
+
+namespace stillpoint::io {
+namespace {
+
+constexpr const char* kHeader = "time_s,acc_x_mps2,acc_y_mps2,acc_z_mps2\n";
+
+TEST(Recording, ReadsColumnsByNameAndConvertsUnits) {
+  const auto r = parse_recording("# sensor: abc\ntime_ms,gyr_z_dps,gyr_x_dps,gyr_y_dps,extra\n10,180,0,90,7\n", "f.csv");
+  ASSERT_TRUE(r) << r.error().message;
+  EXPECT_EQ(r->t_ns[0], 10'000'000);
+  EXPECT_NEAR(r->gyr_radps[0].z(), 3.14159265358979, 1e-12);
+  EXPECT_EQ(r->header.at("sensor"), "abc");
+  EXPECT_THAT(r->issues.unknown_columns, ::testing::ElementsAre("extra"));
+}
+
+TEST(Recording, NamesLineAndColumnOfAMalformedField) {
+  const auto r = parse_recording(std::string(kHeader) + "0,1,2,3\n1,1,x,3\n", "f.csv");
+  ASSERT_FALSE(r);
+  EXPECT_THAT(r.error().message, ::testing::StartsWith("f.csv:3:5: 'x' is not a number"));
+}
+
+TEST(Recording, CountsWhatItDoesNotAccept) {
+  const auto r = parse_recording(std::string(kHeader) + "0,1,2,3\n1,nan,2,3\n1,1,2,3\n0.5,1,2,3\n2,1,2,3\n3,1,2,3\n"
+                                                        "9,1,2,3\n10,1,2,3\n11,1", "f.csv");
+  ASSERT_TRUE(r) << r.error().message;
+  EXPECT_EQ(r->issues.not_finite.count, 1U);
+  EXPECT_EQ(r->issues.repeated_time.first_line, 4U);
+  EXPECT_EQ(r->issues.backward_time.first_line, 5U);
+  EXPECT_EQ(r->issues.gap.count, 1U);
+  EXPECT_DOUBLE_EQ(r->issues.longest_gap_s, 6.0);
+  EXPECT_TRUE(r->issues.truncated_last_line);
+  EXPECT_EQ(r->size(), 6U);
+}
+
+}  // namespace
+}  // namespace stillpoint::io
