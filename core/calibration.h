@@ -11,14 +11,14 @@
 namespace stillpoint {
 
 enum class CalibrationStatus : std::uint8_t {
-  kFactory,            ///< the values of the configuration or the identity: nothing learnt yet
-  kOk,                 ///< learnt, and better than the prior
-  kTooFewWindows,      ///< not enough rest windows
-  kNotObservable,      ///< the directions seen lie in one plane or around one axis
-  kNotPositiveDefinite,///< the fit is not an ellipsoid
-  kClipped,            ///< the readings sit at the sensor's limit
-  kStuck,              ///< the readings do not change at all
-  kReplaced,           ///< the evidence contradicts what was learnt: another sensor
+  kFactory,              ///< the values of the configuration or the identity: nothing learnt yet
+  kOk,                   ///< learnt, and better than the prior
+  kTooFewWindows,        ///< not enough rest windows
+  kNotObservable,        ///< the directions seen lie in one plane or around one axis
+  kNotPositiveDefinite,  ///< the fit is not an ellipsoid
+  kClipped,              ///< the readings sit at the sensor's limit
+  kStuck,                ///< the readings do not change at all
+  kReplaced,             ///< the evidence contradicts what was learnt: another sensor
 };
 
 /// Parameters of one triad, in the sensor's own units. B(T) = b0 + b1 tau + b2 tau^2 with tau = T - T_ref,
@@ -31,9 +31,9 @@ struct TriadCalibration {
   double temp_ref_degC = 25.0;
   double temp_min_degC = 25.0;  ///< coldest and warmest temperature with evidence
   double temp_max_degC = 25.0;
-  Array9 bias_covariance{};     ///< of b0, unit^2; zeros where unknown
-  double norm_sd = 0.0;         ///< sd of the calibrated norm, rms over the sphere, in units of the reading; 0 unknown
-  std::uint32_t windows = 0;    ///< rest windows behind these numbers
+  Array9 bias_covariance{};   ///< of b0, unit^2; zeros where unknown
+  double norm_sd = 0.0;       ///< sd of the calibrated norm, rms over the sphere, in units of the reading; 0 unknown
+  std::uint32_t windows = 0;  ///< rest windows behind these numbers
   CalibrationStatus status = CalibrationStatus::kFactory;
 
   [[nodiscard]] Vec3 bias_at(double temp_degC) const noexcept {

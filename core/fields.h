@@ -35,6 +35,8 @@ constexpr Field<P, T> field(std::string_view name, T P::*member, std::string_vie
 }
 
 template <class P>
-concept HasFields = requires { P::fields(); };
+concept HasFields = requires {
+  P::fields();
+};
 
 }  // namespace stillpoint

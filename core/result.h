@@ -1,5 +1,5 @@
-/// What a function returns that may fail outside the hot path: a value, or an Error that says where, what and what to do.
-/// A bug is not an Error: SP_EXPECTS stops the process, in every build.
+/// What a function returns that may fail outside the hot path: a value, or an Error that says where, what and what to
+/// do. A bug is not an Error: SP_EXPECTS stops the process, in every build.
 #pragma once
 #include <cstdio>
 #include <cstdlib>
@@ -34,10 +34,10 @@ inline tl::unexpected<Error> fail(ErrorKind kind, std::string message) {
 
 }  // namespace stillpoint
 
-#define SP_EXPECTS(condition)                                                                   \
-  do {                                                                                          \
-    if (!(condition)) [[unlikely]] {                                                            \
-      std::fprintf(stderr, "%s:%d: broken promise: %s\n", __FILE__, __LINE__, #condition);      \
-      std::abort();                                                                             \
-    }                                                                                           \
+#define SP_EXPECTS(condition)                                                              \
+  do {                                                                                     \
+    if (!(condition)) [[unlikely]] {                                                       \
+      std::fprintf(stderr, "%s:%d: broken promise: %s\n", __FILE__, __LINE__, #condition); \
+      std::abort();                                                                        \
+    }                                                                                      \
   } while (false)

@@ -29,8 +29,8 @@ inline Vec3 log_quat(const Quat& q) {
   const double sign = q.w() < 0 ? -1.0 : 1.0;
   const double sin_half = q.vec().norm();
   // Near zero: angle / sin(angle/2) = 2 (1 + s^2/6 + ...) with s = sin(angle/2).
-  const double scale = sin_half < 1e-4 ? 2.0 * (1.0 + sin_half * sin_half / 6.0)
-                                       : 2.0 * std::atan2(sin_half, sign * q.w()) / sin_half;
+  const double scale =
+      sin_half < 1e-4 ? 2.0 * (1.0 + sin_half * sin_half / 6.0) : 2.0 * std::atan2(sin_half, sign * q.w()) / sin_half;
   return sign * scale * q.vec();
 }
 

@@ -21,8 +21,8 @@ struct Parameter {
 struct HeldOut {
   double rms_before = 0.0, rms_after = 0.0, noise_floor = 0.0;
   std::string unit;
-  double gain_nats = 0.0;                 ///< whitened log-likelihood gain on data not used for the fit
-  double removable_share_removed = 0.0;   ///< 1: all of the error that is not noise is gone
+  double gain_nats = 0.0;                ///< whitened log-likelihood gain on data not used for the fit
+  double removable_share_removed = 0.0;  ///< 1: all of the error that is not noise is gone
   int blocks_better = 0, blocks = 0;
 };
 
@@ -87,11 +87,11 @@ struct Diagnosis {
   std::vector<NoiseFault> noise;
   std::vector<ChannelResidual> residual;
   std::vector<RankedHypothesis> ranking;
-  double abstention_nats = 0.0;                     ///< below this gain no name is stated
-  std::vector<std::string> heat_channels;           ///< rows of the heat map
-  std::vector<double> heat_t_s;                     ///< columns: block centres
-  std::vector<std::vector<double>> heat_nats;       ///< whitened misfit of the baseline per channel and block
-  std::vector<std::string> notices;                 ///< input that looks wrong, what to record, what was muted
+  double abstention_nats = 0.0;                ///< below this gain no name is stated
+  std::vector<std::string> heat_channels;      ///< rows of the heat map
+  std::vector<double> heat_t_s;                ///< columns: block centres
+  std::vector<std::vector<double>> heat_nats;  ///< whitened misfit of the baseline per channel and block
+  std::vector<std::string> notices;            ///< input that looks wrong, what to record, what was muted
 };
 
 }  // namespace stillpoint::diag

@@ -44,13 +44,14 @@ struct Known {
 enum Group { kTime, kAccG, kGyrG, kMagG, kTempG, kCurrentG, kSupplyG, kRefQ, kRefP, kMoving, kGroups };
 constexpr std::array<int, kGroups> kGroupSize{1, 3, 3, 3, 1, 1, 1, 4, 3, 1};
 constexpr std::array<const char*, kGroups> kGroupName{
-    "time_s", "acc_x/y/z_mps2", "gyr_x/y/z_radps", "mag_x/y/z_uT", "temp_degC", "current_A", "supply_V",
-    "ref_qw/qx/qy/qz", "ref_px/py/pz_m", "ref_moving"};
+    "time_s",    "acc_x/y/z_mps2", "gyr_x/y/z_radps", "mag_x/y/z_uT",   "temp_degC",
+    "current_A", "supply_V",       "ref_qw/qx/qy/qz", "ref_px/py/pz_m", "ref_moving"};
 
-#define SP_TRIAD(sensor, member, suffix, factor, group)                                   \
-  {sensor "_x_" suffix, factor, [](Row& r) -> double* { return &r.member[0]; }, group},   \
-      {sensor "_y_" suffix, factor, [](Row& r) -> double* { return &r.member[1]; }, group}, \
-      {sensor "_z_" suffix, factor, [](Row& r) -> double* { return &r.member[2]; }, group}
+#define SP_TRIAD(sensor, member, suffix, factor, group)                                       \
+  {sensor "_x_" suffix, factor, [](Row& r) -> double* { return &r.member[0]; }, group},       \
+      {sensor "_y_" suffix, factor, [](Row& r) -> double* { return &r.member[1]; }, group}, { \
+    sensor "_z_" suffix, factor, [](Row& r) -> double* { return &r.member[2]; }, group        \
+  }
 
 constexpr double kG = 9.80665;
 constexpr double kDeg = 0.017453292519943295;
@@ -110,7 +111,8 @@ class Parser {
     bool ended = true;
     while (!text_.empty()) {
       ++line_;
-      read_row(take_line(text_, ended), ended);
+      const std::string_view line = take_line(text_, ended);
+      read_row(line, ended);
     }
     if (policy_ == OnMalformedRow::kFail && out_.issues.malformed.count > 0) {
       std::string all;
@@ -209,14 +211,14 @@ class Parser {
     std::int64_t t_ns = 0;
     bool time_read = false;
     for (std::size_t c = 0; c < columns_.size(); ++c) {
-      if (start > line.size()) return cut_or_malformed(line, ended, c);
+      if (start > line.size()) return cut_or_malformed(ended, c);
       const std::size_t end = std::min(line.find(',', start), line.size());
       const std::string_view text = strip(line.substr(start, end - start));
       if (columns_[c].slot != nullptr && !text.empty()) {
         double value = 0.0;
         const auto [stop, code] = std::from_chars(text.data(), text.data() + text.size(), value);
         if (code == std::errc::invalid_argument || stop != text.data() + text.size()) {
-          if (!ended) return cut_or_malformed(line, ended, c);
+          if (!ended) return cut_or_malformed(ended, c);
           return malformed(start + 1, fmt::format("'{}' is not a number", text.substr(0, 40)));
         }
         double* slot = columns_[c].slot(row_);
@@ -242,7 +244,7 @@ class Parser {
     append(t_ns);
   }
 
-  void cut_or_malformed(std::string_view, bool ended, std::size_t fields) {
+  void cut_or_malformed(bool ended, std::size_t fields) {
     if (!ended)
       out_.issues.truncated_last_line = true;
     else
@@ -393,7 +395,8 @@ Result<void> write_recording(const Recording& r, const std::string& path) {
     }
   }
   written = std::fclose(file) == 0 && written;
-  if (!written) return fail(ErrorKind::kCannotCreate, fmt::format("{}: could not be written whole; is the disk full?", path));
+  if (!written)
+    return fail(ErrorKind::kCannotCreate, fmt::format("{}: could not be written whole; is the disk full?", path));
   return {};
 }
 

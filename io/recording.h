@@ -24,11 +24,11 @@ struct Irregularity {
 
 /// What a recording holds that a careful reader must know about. Rows named here as dropped are not in the columns.
 struct RecordingIssues {
-  Irregularity not_finite;       ///< NaN or infinity in a field; taken as not measured
-  Irregularity repeated_time;    ///< row dropped
-  Irregularity backward_time;    ///< row dropped
-  Irregularity gap;              ///< step longer than 2.5 times the median step; kept
-  Irregularity malformed;        ///< row dropped (only when the reader is told to go on)
+  Irregularity not_finite;           ///< NaN or infinity in a field; taken as not measured
+  Irregularity repeated_time;        ///< row dropped
+  Irregularity backward_time;        ///< row dropped
+  Irregularity gap;                  ///< step longer than 2.5 times the median step; kept
+  Irregularity malformed;            ///< row dropped (only when the reader is told to go on)
   bool truncated_last_line = false;  ///< the last row was cut short; dropped
   double longest_gap_s = 0.0;
   std::vector<std::string> unknown_columns;

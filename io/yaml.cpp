@@ -88,9 +88,8 @@ Result<YAML::Node> load_yaml(const std::string& path) {
 }
 
 std::string suggestion(const std::string& key, const std::vector<std::string>& known) {
-  const auto nearest = std::min_element(known.begin(), known.end(), [&](const auto& a, const auto& b) {
-    return edits(key, a) < edits(key, b);
-  });
+  const auto nearest = std::min_element(known.begin(), known.end(),
+                                        [&](const auto& a, const auto& b) { return edits(key, a) < edits(key, b); });
   if (nearest != known.end() && edits(key, *nearest) <= std::max<std::size_t>(2, key.size() / 3))
     return fmt::format("; did you mean '{}'?", *nearest);
   return fmt::format("; known here: {}", fmt::join(known, ", "));

@@ -1,4 +1,5 @@
-/// YAML into structs that list their fields (core/fields.h). Every fault is reported, each as file:line:column, not only the first.
+/// YAML into structs that list their fields (core/fields.h). Every fault is reported, each as file:line:column, not
+/// only the first.
 #pragma once
 #include <fmt/format.h>
 #include <yaml-cpp/yaml.h>
@@ -44,7 +45,8 @@ void refuse_unknown_keys(const YAML::Node& map, const std::vector<std::string>& 
 void read_value(const YAML::Node& node, double& out, const Range& range, const std::string& key, YamlFaults& faults);
 void read_value(const YAML::Node& node, int& out, const Range& range, const std::string& key, YamlFaults& faults);
 void read_value(const YAML::Node& node, bool& out, const Range& range, const std::string& key, YamlFaults& faults);
-void read_value(const YAML::Node& node, std::string& out, const Range& range, const std::string& key, YamlFaults& faults);
+void read_value(const YAML::Node& node, std::string& out, const Range& range, const std::string& key,
+                YamlFaults& faults);
 void read_value(const YAML::Node& node, Vec3& out, const Range& range, const std::string& key, YamlFaults& faults);
 void read_value(const YAML::Node& node, Mat3& out, const Range& range, const std::string& key, YamlFaults& faults);
 void read_value(const YAML::Node& node, std::vector<double>& out, const Range& range, const std::string& key,

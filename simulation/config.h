@@ -1,4 +1,5 @@
-/// What a simulation YAML says (docs/formats.md): the baseline u = H (y - B) with white noise, and a list of effects beyond it.
+/// What a simulation YAML says (docs/formats.md): the baseline u = H (y - B) with white noise, and a list of effects
+/// beyond it.
 #pragma once
 #include <map>
 #include <optional>

@@ -1,4 +1,5 @@
-/// The subcommands of `stillpoint`. Each lives in its own file, adds itself to the command line and sets `run` when chosen.
+/// The subcommands of `stillpoint`. Each lives in its own file, adds itself to the command line and sets `run` when
+/// chosen.
 #pragma once
 #include <CLI/CLI.hpp>
 #include <cstdio>

@@ -20,7 +20,8 @@ TEST(So3, RightJacobianIsTheDerivativeOfTheExponential) {
     for (int k = 0; k < 3; ++k) {
       const Vec3 d = h * Vec3::Unit(k);
       const Vec3 column = (log_quat(exp_quat(phi).conjugate() * exp_quat(phi + d)) -
-                           log_quat(exp_quat(phi).conjugate() * exp_quat(phi - d))) / (2 * h);
+                           log_quat(exp_quat(phi).conjugate() * exp_quat(phi - d))) /
+                          (2 * h);
       EXPECT_LT((column - right_jacobian(phi).col(k)).norm(), 1e-8) << size;
     }
   }

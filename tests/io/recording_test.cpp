@@ -8,7 +8,8 @@ namespace {
 constexpr const char* kHeader = "time_s,acc_x_mps2,acc_y_mps2,acc_z_mps2\n";
 
 TEST(Recording, ReadsColumnsByNameAndConvertsUnits) {
-  const auto r = parse_recording("# sensor: abc\ntime_ms,gyr_z_dps,gyr_x_dps,gyr_y_dps,extra\n10,180,0,90,7\n", "f.csv");
+  const auto r =
+      parse_recording("# sensor: abc\ntime_ms,gyr_z_dps,gyr_x_dps,gyr_y_dps,extra\n10,180,0,90,7\n", "f.csv");
   ASSERT_TRUE(r) << r.error().message;
   EXPECT_EQ(r->t_ns[0], 10'000'000);
   EXPECT_NEAR(r->gyr_radps[0].z(), 3.14159265358979, 1e-12);
@@ -23,8 +24,10 @@ TEST(Recording, NamesLineAndColumnOfAMalformedField) {
 }
 
 TEST(Recording, CountsWhatItDoesNotAccept) {
-  const auto r = parse_recording(std::string(kHeader) + "0,1,2,3\n1,nan,2,3\n1,1,2,3\n0.5,1,2,3\n2,1,2,3\n3,1,2,3\n"
-                                                        "9,1,2,3\n10,1,2,3\n11,1", "f.csv");
+  const auto r = parse_recording(std::string(kHeader) +
+                                     "0,1,2,3\n1,nan,2,3\n1,1,2,3\n0.5,1,2,3\n2,1,2,3\n3,1,2,3\n"
+                                     "9,1,2,3\n10,1,2,3\n11,1",
+                                 "f.csv");
   ASSERT_TRUE(r) << r.error().message;
   EXPECT_EQ(r->issues.not_finite.count, 1U);
   EXPECT_EQ(r->issues.repeated_time.first_line, 4U);
