@@ -1,5 +1,7 @@
 #include "io/yaml.h"
 
+#include <yaml-cpp/eventhandler.h>
+
 #include <algorithm>
 #include <fstream>
 #include <numeric>
@@ -21,6 +23,22 @@ std::size_t edits(const std::string& a, const std::string& b) {
   }
   return row[b.size()];
 }
+
+/// Aliases are refused: one that contains itself would send every reader of the tree round for ever.
+class AliasFinder : public YAML::EventHandler {
+ public:
+  void OnAlias(const YAML::Mark& mark, YAML::anchor_t) override {
+    throw YAML::ParserException(mark, "aliases (*name) are not used here; write the value out");
+  }
+  void OnDocumentStart(const YAML::Mark&) override {}
+  void OnDocumentEnd() override {}
+  void OnNull(const YAML::Mark&, YAML::anchor_t) override {}
+  void OnScalar(const YAML::Mark&, const std::string&, YAML::anchor_t, const std::string&) override {}
+  void OnSequenceStart(const YAML::Mark&, const std::string&, YAML::anchor_t, YAML::EmitterStyle::value) override {}
+  void OnSequenceEnd() override {}
+  void OnMapStart(const YAML::Mark&, const std::string&, YAML::anchor_t, YAML::EmitterStyle::value) override {}
+  void OnMapEnd() override {}
+};
 
 /// yaml-cpp keeps the last of two equal keys without a word.
 void find_repeated_keys(const YAML::Node& node, YamlFaults& faults) {
@@ -65,6 +83,9 @@ tl::unexpected<Error> YamlFaults::error() const {
 
 Result<YAML::Node> parse_yaml(const std::string& text, const std::string& name) {
   try {
+    std::istringstream stream(text);
+    AliasFinder no_aliases;
+    YAML::Parser(stream).HandleNextDocument(no_aliases);
     YAML::Node root = YAML::Load(text);
     if (!root.IsMap())
       return fail(ErrorKind::kBadConfig, fmt::format("{}:1:1: the file must hold keys with values", name));
