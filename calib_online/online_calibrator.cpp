@@ -1,0 +1,252 @@
+#include "calib_online/online_calibrator.h"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+
+namespace stillpoint::calib {
+namespace {
+
+constexpr double kGate = 4.0;             // sd; beyond, a window is set aside
+constexpr double kHuber = 1.5;            // sd; beyond, a window counts less
+constexpr std::uint32_t kRunToWiden = 8;  // windows set aside in a row: not outliers, the sensor changed
+constexpr std::uint32_t kWideningsToReset = 3;
+constexpr double kSameDirection = 0.985;           // cosine of 10 degrees
+constexpr std::uint32_t kSameDirectionLimit = 10;  // Gietzelt 2.4: up to ten measurements of a direction
+constexpr double kErrorMemory = 0.98;
+constexpr double kStretch_s = 900.0;  // a turn is taken to last no longer
+constexpr double kStretchTemp_K = 4.0;
+
+double squared(double v) { return v * v; }
+
+}  // namespace
+
+OnlineCalibrator::OnlineCalibrator(const Params& params, const CalibrationSnapshot& factory)
+    : params_(params),
+      factory_(factory),
+      snapshot_(factory),
+      acc_(params.accelerometer, params.gravity_mps2),
+      gyr_(params.gyroscope) {}
+
+double OnlineCalibrator::tau(double temp_degC, const TriadCalibration& factory) const noexcept {
+  return (temp_degC - factory.temp_ref_degC) / kTempScale_K;
+}
+
+OnlineCalibrator::State OnlineCalibrator::state() const noexcept {
+  State out = s_;
+  out.version = State::kVersion;
+  out.bytes = sizeof(State);
+  out.acc = acc_.state();
+  out.gyr = gyr_.state();
+  out.snapshot_version = snapshot_.version;
+  return out;
+}
+
+bool OnlineCalibrator::restore(const State& state) noexcept {
+  if (state.version != State::kVersion || state.bytes != sizeof(State)) return false;
+  const auto all_finite = [](const auto& a) {
+    return std::all_of(a.begin(), a.end(), [](double v) { return std::isfinite(v); });
+  };
+  if (!all_finite(state.acc.x) || !all_finite(state.acc.P.a) || !all_finite(state.gyr.x) ||
+      !all_finite(state.gyr.P.a) || !all_finite(state.stretch_rate) || !all_finite(state.stretch_cov) ||
+      !all_finite(state.stretch_turn_cov)) {
+    return false;
+  }
+  s_ = state;
+  acc_.restore(state.acc);
+  gyr_.restore(state.gyr);
+  snapshot_.version = state.snapshot_version;
+  snapshot_.t_ns = state.t_ns;
+  commit_stretch();
+  const double temp_degC = s_.temp_known ? 0.5 * (s_.temp_min_degC + s_.temp_max_degC) : factory_.acc.temp_ref_degC;
+  if (s_.acc_windows > 0) publish_acc(temp_degC);
+  if (s_.gyr_windows > 0) publish_gyr(temp_degC);
+  return true;
+}
+
+bool OnlineCalibrator::absorb(const Window& window) noexcept {
+  predict(window.t_end_ns);
+  const bool known = (window.has & kTemp) != 0;
+  const double temp_degC = known ? window.temp_degC : factory_.acc.temp_ref_degC;
+  if (!s_.temp_known) s_.temp_min_degC = s_.temp_max_degC = temp_degC;
+  s_.temp_known = true;
+  s_.temp_min_degC = std::min(s_.temp_min_degC, temp_degC);
+  s_.temp_max_degC = std::max(s_.temp_max_degC, temp_degC);
+  bool changed = (window.has & kAcc) != 0 && absorb_acc(window);
+  changed = ((window.has & kGyr) != 0 && absorb_gyr(window)) || changed;
+  if (changed) {
+    ++snapshot_.version;
+    snapshot_.t_ns = window.t_end_ns;
+  }
+  return changed;
+}
+
+void OnlineCalibrator::predict(std::int64_t t_ns) noexcept {
+  // A clock that starts again (a new run on a persisted state) says nothing of the time between.
+  const double dt_s = s_.t_ns > 0 && t_ns > s_.t_ns ? static_cast<double>(t_ns - s_.t_ns) * kSecondsPerNs : 0.0;
+  s_.t_ns = t_ns;
+  acc_.predict(dt_s);
+  if (s_.stretch_windows == 0) gyr_.predict(dt_s);
+}
+
+bool OnlineCalibrator::absorb_acc(const Window& w) noexcept {
+  const double g = params_.gravity_mps2;
+  const Vec3 x = factory_.acc.apply(w.acc_mps2, w.temp_degC) / g;
+  if (!x.allFinite()) return false;
+  const double t = tau(w.temp_degC, factory_.acc);
+  const Vec3 n = mat(factory_.acc.matrix).transpose() * x.normalized();
+  const double norm_var = n.dot(mat(w.acc_cov) * n) + squared(params_.accelerometer.norm_floor_mps2);
+  double variance = 4.0 * norm_var / (g * g);
+  // The same direction again and again is one reading with one unmodelled error: its weight stops growing at ten.
+  const bool same = x.normalized().dot(vec(s_.last_direction)) > kSameDirection;
+  s_.same_direction = same ? s_.same_direction + 1 : 0;
+  s_.last_direction = array(Vec3(x.normalized()));
+  variance *= std::max(1.0, static_cast<double>(s_.same_direction) / kSameDirectionLimit);
+
+  const auto innovation = acc_.innovation(x, t);
+  const double sd = std::sqrt(innovation.variance + variance);
+  const double ratio = std::abs(innovation.value) / sd;
+  if (ratio > kGate) {
+    if (++s_.acc_rejected_run < kRunToWiden) return false;
+    s_.acc_rejected_run = 0;
+    if (++s_.widenings >= kWideningsToReset) {
+      acc_.reset();
+      s_.widenings = 0;
+      s_.acc_windows = 0;
+    }
+    acc_.widen(1.0);
+    return false;
+  }
+  s_.acc_rejected_run = 0;
+  s_.factory_error = kErrorMemory * s_.factory_error + squared(x.squaredNorm() - 1.0);
+  s_.learnt_error = kErrorMemory * s_.learnt_error + squared(innovation.value);
+  s_.error_weight = kErrorMemory * s_.error_weight + 1.0;
+  acc_.update(x, t, variance * std::max(1.0, ratio / kHuber));
+  ++s_.acc_windows;
+  publish_acc(w.temp_degC);
+  return true;
+}
+
+void OnlineCalibrator::publish_acc(double temp_degC) noexcept {
+  const double g = params_.gravity_mps2;
+  const double t = tau(temp_degC, factory_.acc);
+  TriadCalibration& out = snapshot_.acc;
+  const auto here = ellipsoid(acc_.at(t));
+  // Worse than the prior on the windows themselves: the factory values serve until that is over.
+  const bool worse = s_.error_weight > 5.0 && s_.learnt_error > 1.2 * s_.factory_error;
+  if (!here || worse) {
+    const std::uint32_t windows = s_.acc_windows;
+    out = factory_.acc;
+    out.windows = windows;
+    out.status = here ? CalibrationStatus::kReplaced : CalibrationStatus::kNotPositiveDefinite;
+    return;
+  }
+  const Mat3 H_f = mat(factory_.acc.matrix);
+  const Mat3 to_reading = g * H_f.inverse();
+  // The centre at three temperatures gives the polynomial of the bias; the matrix is that of now.
+  const double step = 0.2;  // 5 K
+  const auto colder = ellipsoid(acc_.at(t - step)), warmer = ellipsoid(acc_.at(t + step));
+  const Vec3 c0 = here->centre;
+  const Vec3 c1 = colder && warmer ? Vec3((warmer->centre - colder->centre) / (2.0 * step)) : Vec3(Vec3::Zero());
+  const Vec3 c2 =
+      colder && warmer ? Vec3((warmer->centre - 2.0 * c0 + colder->centre) / (2.0 * step * step)) : Vec3(Vec3::Zero());
+  const double s = kTempScale_K;
+  out.matrix = array(Mat3(here->K * H_f));
+  out.bias = array(Vec3(vec(factory_.acc.bias) + to_reading * (c0 - t * c1 + t * t * c2)));
+  out.bias_per_K = array(Vec3(vec(factory_.acc.bias_per_K) + to_reading * (c1 - 2.0 * t * c2) / s));
+  out.bias_per_K2 = array(Vec3(vec(factory_.acc.bias_per_K2) + to_reading * c2 / (s * s)));
+  out.temp_ref_degC = factory_.acc.temp_ref_degC;
+  out.temp_min_degC = s_.temp_min_degC;
+  out.temp_max_degC = s_.temp_max_degC;
+  const Mat9 C = acc_.covariance_at(t);
+  out.bias_covariance = array(Mat3(0.25 * to_reading * C.bottomRightCorner<3, 3>() * to_reading.transpose()));
+  out.norm_sd = g * std::sqrt(mean_norm_variance(C));
+  out.windows = s_.acc_windows;
+  const Mat9 C0 = acc_.prior_covariance_at(t);
+  const bool known = worst_norm_variance(C).variance < 0.25 * worst_norm_variance(C0).variance;
+  out.status = known ? CalibrationStatus::kOk
+                     : (s_.acc_windows < 12 ? CalibrationStatus::kTooFewWindows : CalibrationStatus::kNotObservable);
+}
+
+bool OnlineCalibrator::absorb_gyr(const Window& w) noexcept {
+  const double age_s = static_cast<double>(w.t_end_ns - s_.stretch_start_ns) * kSecondsPerNs;
+  if (s_.stretch_windows > 0 &&
+      (w.moved || age_s > kStretch_s || std::abs(w.temp_degC - s_.stretch_temp_degC) > kStretchTemp_K)) {
+    commit_stretch();
+    gyr_.predict(age_s);
+  }
+  const double t = tau(w.temp_degC, factory_.gyr);
+  const Vec3 rate = vec(w.gyr_radps) - factory_.gyr.bias_at(w.temp_degC);
+  if (!rate.allFinite()) return false;
+  const GyrFilter present = with_stretch();
+  const Vec3 e = rate - present.at(t, t * t);
+  const Mat3 S = present.covariance_at(t, t * t) + mat(w.gyr_cov) + mat(w.turn_cov) +
+                 squared(3.0 * params_.gyroscope.mean_floor_radps) * Mat3::Identity();
+  if (e.dot(S.inverse() * e) > 3.0 * kGate * kGate) {
+    if (++s_.gyr_rejected_run < kRunToWiden) return false;
+    s_.gyr_rejected_run = 0;
+    commit_stretch();
+    gyr_.widen(1.0);
+    return false;
+  }
+  s_.gyr_rejected_run = 0;
+  if (s_.stretch_windows == 0) {
+    s_.stretch_start_ns = w.t_end_ns;
+    s_.stretch_temp_degC = w.temp_degC;
+    s_.stretch_turn_cov = w.turn_cov;
+    s_.stretch_rate = {};
+    s_.stretch_cov = {};
+    s_.stretch_tau = s_.stretch_tau2 = 0.0;
+  }
+  const double n = ++s_.stretch_windows;
+  vec(s_.stretch_rate) += (rate - vec(s_.stretch_rate)) / n;
+  mat(s_.stretch_cov) += (mat(w.gyr_cov) - mat(s_.stretch_cov)) / n;
+  s_.stretch_tau += (t - s_.stretch_tau) / n;
+  s_.stretch_tau2 += (t * t - s_.stretch_tau2) / n;
+  if (mat(w.turn_cov).trace() < mat(s_.stretch_turn_cov).trace()) s_.stretch_turn_cov = w.turn_cov;
+  ++s_.gyr_windows;
+  publish_gyr(w.temp_degC);
+  return true;
+}
+
+/// R6: the whole stretch is one measurement, its error that of the mean and of the turn that could hide in it. A rate
+/// that surprises in a direction where a turn could hide is taken for half a turn, so that no turn is learnt beyond 2
+/// sd.
+GyrFilter OnlineCalibrator::with_stretch() const noexcept {
+  GyrFilter out = gyr_;
+  if (s_.stretch_windows == 0) return out;
+  const Mat3 turn = mat(s_.stretch_turn_cov);
+  const double largest = turn.selfadjointView<Eigen::Lower>().eigenvalues().maxCoeff();
+  const Vec3 surprise = vec(s_.stretch_rate) - gyr_.at(s_.stretch_tau, s_.stretch_tau2);
+  const Vec3 hidden = largest > 0 ? Vec3(turn * surprise / largest) : Vec3(Vec3::Zero());
+  const Mat3 covariance =
+      mat(s_.stretch_cov) / static_cast<double>(s_.stretch_windows) + turn + 0.25 * hidden * hidden.transpose();
+  out.update(vec(s_.stretch_rate), covariance, s_.stretch_tau, s_.stretch_tau2);
+  return out;
+}
+
+void OnlineCalibrator::commit_stretch() noexcept {
+  if (s_.stretch_windows == 0) return;
+  gyr_ = with_stretch();
+  s_.stretch_windows = 0;
+}
+
+void OnlineCalibrator::publish_gyr(double temp_degC) noexcept {
+  const GyrFilter present = with_stretch();
+  const double t = tau(temp_degC, factory_.gyr);
+  const Mat3 c = present.polynomial();
+  const double s = kTempScale_K;
+  TriadCalibration& out = snapshot_.gyr;
+  out.bias = array(Vec3(vec(factory_.gyr.bias) + c.col(0)));
+  out.bias_per_K = array(Vec3(vec(factory_.gyr.bias_per_K) + c.col(1) / s));
+  out.bias_per_K2 = array(Vec3(vec(factory_.gyr.bias_per_K2) + c.col(2) / (s * s)));
+  out.temp_min_degC = s_.temp_min_degC;
+  out.temp_max_degC = s_.temp_max_degC;
+  const Mat3 P = present.covariance_at(t, t * t);
+  out.bias_covariance = array(P);
+  out.norm_sd = std::sqrt(P.trace() / 3.0);
+  out.windows = s_.gyr_windows;
+  out.status = CalibrationStatus::kOk;
+}
+
+}  // namespace stillpoint::calib

@@ -1,0 +1,90 @@
+/// Learns the calibration from rest windows and says how well it is known. Pure: a function of the windows only.
+/// Accelerometer: the ellipsoid of Gietzelt and Zhang with a temperature polynomial, as a Kalman filter
+/// (docs/math/temperature.md). Gyroscope: bias with a temperature polynomial; a turn that the windows could not exclude
+/// is one unknown of its whole stretch of rest (docs/math/rest.md, R6).
+#pragma once
+#include <cstdint>
+#include <type_traits>
+
+#include "calib_online/temperature_filter.h"
+#include "calib_online/window.h"
+#include "core/calibration.h"
+#include "core/fields.h"
+#include "core/units.h"
+
+namespace stillpoint::calib {
+
+struct OnlineCalibratorParams {
+  double gravity_mps2 = kStandardGravity_mps2;
+  AccFilterParams accelerometer;
+  GyrFilterParams gyroscope;
+
+  static constexpr auto fields() {
+    using P = OnlineCalibratorParams;
+    return std::tuple{
+        field("gravity_mps2", &P::gravity_mps2, in_range(9.7, 9.9), "local gravity"),
+        field("accelerometer", &P::accelerometer, "how good the factory calibration of the accelerometer is"),
+        field("gyroscope", &P::gyroscope, "how good the factory calibration of the gyroscope is"),
+    };
+  }
+};
+
+/// Runs on the calibration thread; allocates nothing, so it may run anywhere.
+class OnlineCalibrator {
+ public:
+  using Params = OnlineCalibratorParams;
+
+  /// All that is learnt. Plain: written to disk and read back as it is.
+  struct State {
+    static constexpr std::uint32_t kVersion = 1;
+    std::uint32_t version = kVersion;
+    std::uint32_t bytes = 0;  ///< sizeof(State) of the writer
+    AccFilter::State acc;
+    GyrFilter::State gyr;  ///< before the present stretch of rest
+    std::uint64_t snapshot_version = 0;
+    std::int64_t t_ns = 0;
+    std::uint32_t acc_windows = 0, gyr_windows = 0;
+    std::uint32_t acc_rejected_run = 0, gyr_rejected_run = 0, widenings = 0, same_direction = 0;
+    double temp_min_degC = 0.0, temp_max_degC = 0.0;
+    bool temp_known = false;
+    Array3 last_direction{};
+    /// Squared errors of the norm, fading: of the factory calibration and of ours before each update.
+    double factory_error = 0.0, learnt_error = 0.0, error_weight = 0.0;
+    /// The present stretch of rest.
+    std::uint32_t stretch_windows = 0;
+    std::int64_t stretch_start_ns = 0;
+    double stretch_tau = 0.0, stretch_tau2 = 0.0, stretch_temp_degC = 0.0;
+    Array3 stretch_rate{};
+    Array9 stretch_cov{}, stretch_turn_cov{};
+  };
+  static_assert(std::is_trivially_copyable_v<State>);
+
+  OnlineCalibrator(const Params& params, const CalibrationSnapshot& factory);
+
+  /// Windows in time order. True when the snapshot changed.
+  bool absorb(const Window& window) noexcept;
+  [[nodiscard]] const CalibrationSnapshot& snapshot() const noexcept { return snapshot_; }
+
+  [[nodiscard]] State state() const noexcept;
+  /// False, and nothing changed, when the state is of another layout or holds anything that is not finite.
+  bool restore(const State& state) noexcept;
+
+ private:
+  [[nodiscard]] double tau(double temp_degC, const TriadCalibration& factory) const noexcept;
+  void predict(std::int64_t t_ns) noexcept;
+  bool absorb_acc(const Window& window) noexcept;
+  bool absorb_gyr(const Window& window) noexcept;
+  void commit_stretch() noexcept;
+  [[nodiscard]] GyrFilter with_stretch() const noexcept;
+  void publish_acc(double temp_degC) noexcept;
+  void publish_gyr(double temp_degC) noexcept;
+
+  Params params_;
+  CalibrationSnapshot factory_;
+  CalibrationSnapshot snapshot_;
+  AccFilter acc_;
+  GyrFilter gyr_;
+  State s_;  ///< its filters' states are filled in by state()
+};
+
+}  // namespace stillpoint::calib

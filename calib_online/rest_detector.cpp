@@ -1,0 +1,249 @@
+#include "calib_online/rest_detector.h"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+
+#include "core/so3.h"
+
+namespace stillpoint::calib {
+namespace {
+
+constexpr int kAccIndex = 0, kGyrIndex = 1, kMagIndex = 2;
+constexpr double kMovedRate_radps = 0.35;      // faster than any turn a stretch of rest could hide
+constexpr double kTurnLast_s = 900.0;          // a steady turn that lasts longer is taken for a changed bias
+constexpr double kAnchorAge_s = 120.0;         // longer, and the drift of the sensors looks like a turn
+constexpr double kScaleError = 0.005;          // of a gyro before its matrix is learnt
+constexpr double kGyrNoise_radps_rtHz = 2e-4;  // a consumer gyro's 0.01 deg/s/sqrt(Hz)
+
+bool finite(const Array3& a) noexcept { return std::isfinite(a[0]) && std::isfinite(a[1]) && std::isfinite(a[2]); }
+bool beyond(const Array3& a, double limit) noexcept {
+  return std::abs(a[0]) >= limit || std::abs(a[1]) >= limit || std::abs(a[2]) >= limit;
+}
+
+}  // namespace
+
+RestDetector::RestDetector(const Params& params)
+    : params_(params), quarter_ns_(static_cast<std::int64_t>(params.window_s / kQuarters * kNsPerSecond)) {
+  last_u_.fill(Vec3::Zero());
+}
+
+std::optional<Window> RestDetector::push(const RawSample& sample, const CalibrationSnapshot& calibration) noexcept {
+  const double temp_degC = sample.holds(kTemp) && std::isfinite(sample.temp_degC)
+                               ? sample.temp_degC
+                               : (current_.temp_count > 0 ? current_.temp_sum / current_.temp_count : 25.0);
+  // Time does not run backwards here; a sample that does belongs to another run.
+  if (has_last_ && (sample.t_ns <= last_t_ns_ || 2 * (sample.t_ns - last_t_ns_) > quarter_ns_)) {
+    restart();
+    chain_.broken = true;
+    moved_ = true;
+    anchor_.set = false;
+    last_refusal_ = Refusal::kGap;
+  } else if (has_last_) {
+    integrate(sample, calibration, temp_degC);
+  }
+  std::optional<Window> window;
+  if (open_ && sample.t_ns - current_.t_first_ns >= quarter_ns_) {
+    if (filled_ == kQuarters) {
+      for (int k = 1; k < kQuarters; ++k)
+        quarters_[static_cast<std::size_t>(k - 1)] = quarters_[static_cast<std::size_t>(k)];
+      --filled_;
+    }
+    quarters_[static_cast<std::size_t>(filled_++)] = current_;
+    open_ = false;
+    if (filled_ == kQuarters) window = evaluate(calibration);
+  }
+  if (!open_) begin_quarter(sample);
+  add(sample, calibration, temp_degC);
+  last_t_ns_ = sample.t_ns;
+  has_last_ = true;
+  return window;
+}
+
+void RestDetector::restart() noexcept {
+  filled_ = 0;
+  open_ = false;
+  has_last_rate_ = false;
+  has_last_u_.fill(false);
+}
+
+void RestDetector::begin_quarter(const RawSample& sample) noexcept {
+  current_ = Quarter{};
+  current_.t_first_ns = sample.t_ns;
+  current_.chain = chain_;
+  open_ = true;
+}
+
+/// Trapezoid over the step; Jacobians after docs/math/gyro.md (Y3).
+void RestDetector::integrate(const RawSample& sample, const CalibrationSnapshot& calibration,
+                             double temp_degC) noexcept {
+  if (!sample.holds(kGyr) || !finite(sample.gyr_radps)) {
+    chain_.broken = chain_.broken || has_last_rate_;
+    return;
+  }
+  const double dt_s = static_cast<double>(sample.t_ns - last_t_ns_) * kSecondsPerNs;
+  const Mat3 H = mat(calibration.gyr.matrix);
+  const Vec3 z_now = vec(sample.gyr_radps) - calibration.gyr.bias_at(temp_degC);
+  const Vec3 z = has_last_rate_ ? Vec3(0.5 * (z_now + last_rate_)) : z_now;
+  const Vec3 u = H * z;
+  const Vec3 phi = u * dt_s;
+  const Quat dq = exp_quat(phi);
+  const Mat3 E_t = dq.toRotationMatrix().transpose();
+  const Mat3 Jr = right_jacobian(phi) * dt_s;
+  chain_.J = E_t * chain_.J;
+  for (int i = 0; i < 3; ++i) chain_.J.block<3, 3>(0, 3 * i) += Jr.col(i) * z.transpose();
+  chain_.J_bias = E_t * chain_.J_bias - Jr * H;
+  chain_.q = (chain_.q * dq).normalized();
+  chain_.angle_rad += phi.norm();
+  chain_.duration_s += dt_s;
+  last_rate_ = z_now;
+  has_last_rate_ = true;
+  if (u.squaredNorm() > kMovedRate_radps * kMovedRate_radps) moved_ = true;
+  if (beyond(sample.gyr_radps, params_.gyr_limit_radps)) chain_.broken = true;
+}
+
+void RestDetector::add(const RawSample& sample, const CalibrationSnapshot& calibration, double temp_degC) noexcept {
+  const int block = static_cast<int>(
+      std::min<std::int64_t>(kBlocks - 1, (sample.t_ns - current_.t_first_ns) * kBlocks / quarter_ns_));
+  const Mat3 R_ref_body = chain_.q.toRotationMatrix();
+  if (sample.holds(kAcc) && finite(sample.acc_mps2)) {
+    add(kAccIndex, calibration.acc.apply(sample.acc_mps2, temp_degC), block, R_ref_body);
+    current_.clipped = current_.clipped || beyond(sample.acc_mps2, params_.acc_limit_mps2);
+  }
+  if (sample.holds(kGyr) && finite(sample.gyr_radps))
+    add(kGyrIndex, calibration.gyr.apply(sample.gyr_radps, temp_degC), block, Mat3::Identity());
+  if (sample.holds(kMag) && finite(sample.mag_uT))
+    add(kMagIndex, calibration.mag.apply(sample.mag_uT, temp_degC), block, R_ref_body);
+  if (sample.holds(kTemp) && std::isfinite(sample.temp_degC)) {
+    current_.temp_sum += sample.temp_degC;
+    ++current_.temp_count;
+  }
+  ++current_.samples;
+  current_.t_last_ns = sample.t_ns;
+}
+
+void RestDetector::add(int which, const Vec3& u, int block, const Mat3& R_ref_body) noexcept {
+  const auto w = static_cast<std::size_t>(which);
+  const auto b = static_cast<std::size_t>(block);
+  Triad& triad = current_.triad[w];
+  const Vec3 u_ref = R_ref_body * u;
+  triad.block[b] += u;
+  triad.block_ref[b] += u_ref;
+  triad.sum_sq += u_ref.cwiseProduct(u_ref);
+  ++triad.n[b];
+  if (has_last_u_[w]) {
+    const Vec3 step = u - last_u_[w];
+    triad.step_sq += step.cwiseProduct(step);
+    ++triad.steps;
+  }
+  last_u_[w] = u;
+  has_last_u_[w] = true;
+}
+
+std::optional<Window> RestDetector::evaluate(const CalibrationSnapshot& calibration) noexcept {
+  Evidence e;
+  for (int k = 0; k < 3; ++k) e.triad[static_cast<std::size_t>(k)] = summarise(k);
+  double temp_sum = 0.0;
+  int temp_count = 0;
+  for (const auto& q : quarters_) {
+    temp_sum += q.temp_sum;
+    temp_count += q.temp_count;
+  }
+  if (temp_count > 0) e.temp_degC = temp_sum / temp_count;
+  const Refusal force = judge_force(e, calibration);
+  if (force != Refusal::kNone) {
+    last_refusal_ = force;
+    anchor_.set = false;
+    return std::nullopt;
+  }
+  Refusal rate = judge_rate(e, calibration);
+  const std::int64_t now_ns = quarters_.back().t_last_ns;
+  if (rate == Refusal::kTurning) {
+    if (!turning_) turning_since_ns_ = now_ns;
+    turning_ = true;
+    if (static_cast<double>(now_ns - turning_since_ns_) * kSecondsPerNs > kTurnLast_s) rate = Refusal::kNone;
+  } else {
+    turning_ = false;
+  }
+  last_refusal_ = rate;
+  set_anchor(e, rate);
+  return make_window(e, rate, calibration);
+}
+
+void RestDetector::set_anchor(const Evidence& e, Refusal rate) noexcept {
+  const std::int64_t now_ns = quarters_.back().t_last_ns;
+  const double age_s = static_cast<double>(now_ns - anchor_.t_ns) * kSecondsPerNs;
+  if (rate != Refusal::kNone) {
+    anchor_.set = false;
+    return;
+  }
+  if (anchor_.set && age_s < kAnchorAge_s) return;
+  anchor_.set = true;
+  anchor_.t_ns = now_ns;
+  for (std::size_t k = 0; k < 3; ++k) {
+    anchor_.mean[k] = e.triad[k].mean;
+    anchor_.cov[k] = e.triad[k].cov;
+    anchor_.has[k] = e.triad[k].n > 0;
+  }
+}
+
+Window RestDetector::make_window(const Evidence& e, Refusal rate, const CalibrationSnapshot& calibration) noexcept {
+  Window w;
+  w.t_start_ns = quarters_.front().t_first_ns;
+  w.t_end_ns = quarters_.back().t_last_ns;
+  w.refusal = rate;
+  w.temp_degC = e.temp_degC;
+  const std::array<const TriadCalibration*, 3> used{&calibration.acc, &calibration.gyr, &calibration.mag};
+  const std::array<Array3*, 3> means{&w.acc_mps2, &w.gyr_radps, &w.mag_uT};
+  const std::array<Array9*, 3> covs{&w.acc_cov, &w.gyr_cov, &w.mag_cov};
+  const std::array<std::uint8_t, 3> bits{kAcc, kGyr, kMag};
+  for (std::size_t k = 0; k < 3; ++k) {
+    if (e.triad[k].n == 0 || (k == kGyrIndex && rate != Refusal::kNone)) continue;
+    w.has = static_cast<std::uint8_t>(w.has | bits[k]);
+    // Back to raw readings: the window must not depend on the calibration that was in force when it was seen.
+    const Mat3 H_inv = mat(used[k]->matrix).inverse();
+    const Vec3 u = e.use_still && k != kGyrIndex ? e.triad[k].mean_still : e.triad[k].mean;
+    *means[k] = array(Vec3(H_inv * u + used[k]->bias_at(e.temp_degC)));
+    *covs[k] = array(Mat3(H_inv * e.triad[k].cov * H_inv.transpose()));
+  }
+  for (const auto& q : quarters_) {
+    w.samples += static_cast<std::uint32_t>(q.samples);
+    if (q.temp_count > 0) w.has = static_cast<std::uint8_t>(w.has | kTemp);
+  }
+  w.turn_cov = array(e.turn_cov);
+  hand_on_rotation(w, calibration);
+  w.moved = moved_;
+  moved_ = false;
+  filled_ = 0;
+  return w;
+}
+
+/// The chain is cut at the middle of this window; what follows the middle starts the next chain (Y4).
+void RestDetector::hand_on_rotation(Window& w, const CalibrationSnapshot& calibration) noexcept {
+  const Chain& at_middle = quarters_[kQuarters / 2].chain;
+  w.rotation_s = at_middle.duration_s;
+  w.rotation_valid = !at_middle.broken && at_middle.duration_s > 0.0 && at_middle.duration_s <= params_.rotation_max_s;
+  w.q_previous_this = {at_middle.q.w(), at_middle.q.x(), at_middle.q.y(), at_middle.q.z()};
+  const Mat3 bias_cov = calibration.gyr.bias_covariance[0] > 0
+                            ? Mat3(mat(calibration.gyr.bias_covariance))
+                            : Mat3(params_.gyr_bias_sd_radps * params_.gyr_bias_sd_radps * Mat3::Identity());
+  const double white = kGyrNoise_radps_rtHz * kGyrNoise_radps_rtHz * at_middle.duration_s;
+  const double scale = kScaleError * at_middle.angle_rad;
+  w.rotation_cov = array(
+      Mat3(at_middle.J_bias * bias_cov * at_middle.J_bias.transpose() + (white + scale * scale) * Mat3::Identity()));
+  for (int r = 0; r < 3; ++r)
+    for (int c = 0; c < 9; ++c) w.d_rotation_d_matrix[static_cast<std::size_t>(9 * r + c)] = at_middle.J(r, c);
+  w.d_rotation_d_bias = array(at_middle.J_bias);
+
+  Chain next;
+  next.q = (at_middle.q.conjugate() * chain_.q).normalized();
+  const Mat3 R_t = next.q.toRotationMatrix().transpose();
+  next.J = chain_.J - R_t * at_middle.J;
+  next.J_bias = chain_.J_bias - R_t * at_middle.J_bias;
+  next.duration_s = chain_.duration_s - at_middle.duration_s;
+  next.angle_rad = chain_.angle_rad - at_middle.angle_rad;
+  next.broken = !has_last_rate_;
+  chain_ = next;
+}
+
+}  // namespace stillpoint::calib

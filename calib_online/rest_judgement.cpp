@@ -1,0 +1,182 @@
+// What the four quarters of a window say: RestDetector's statistics and verdicts (docs/math/rest.md).
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+
+#include "calib_online/rest_detector.h"
+
+namespace stillpoint::calib {
+namespace {
+
+constexpr std::size_t kAccIndex = 0, kGyrIndex = 1, kMagIndex = 2;
+constexpr int kLeastSamples = 12;         // three a quarter
+constexpr double kAccDrift_mps2 = 0.01;   // 1 mg: what an accelerometer may drift between anchor and now
+constexpr double kMagDrift_uT = 0.3;      // the same for the field and its sensor
+constexpr double kAccSlope_mps2 = 0.005;  // slow wander of the readings inside a window
+constexpr double kSignificant = 5.0;      // sd; one test a window, a day has 4e4 of them
+constexpr double kStillStuckTurn_rad = 0.17;
+
+}  // namespace
+
+std::string_view name(Refusal refusal) noexcept {
+  switch (refusal) {
+    case Refusal::kNone:
+      return "none";
+    case Refusal::kFilling:
+      return "filling";
+    case Refusal::kNoAccelerometer:
+      return "no accelerometer";
+    case Refusal::kGap:
+      return "gap";
+    case Refusal::kStuck:
+      return "stuck";
+    case Refusal::kClipped:
+      return "clipped";
+    case Refusal::kVibrating:
+      return "vibrating";
+    case Refusal::kSwaying:
+      return "swaying";
+    case Refusal::kTurning:
+      return "turning";
+    case Refusal::kLinearAcceleration:
+      return "linear acceleration";
+    case Refusal::kNotGravity:
+      return "not gravity";
+  }
+  return "?";
+}
+
+RestDetector::Summary RestDetector::summarise(int which) const noexcept {
+  Summary s;
+  const auto w = static_cast<std::size_t>(which);
+  const Mat3 R_middle_ref = quarters_[kQuarters / 2].chain.q.toRotationMatrix().transpose();
+  std::array<Vec3, kQuarters> mean, mean_ref;
+  Vec3 total = Vec3::Zero(), total_ref = Vec3::Zero(), sq = Vec3::Zero(), step_sq = Vec3::Zero();
+  int steps = 0;
+  for (std::size_t q = 0; q < kQuarters; ++q) {
+    const Triad& t = quarters_[q].triad[w];
+    const int n = t.count();
+    if (n == 0) return Summary{};
+    Vec3 sum = Vec3::Zero(), sum_ref = Vec3::Zero();
+    for (std::size_t b = 0; b < kBlocks; ++b) {
+      sum += t.block[b];
+      sum_ref += t.block_ref[b];
+    }
+    mean[q] = sum / n;
+    mean_ref[q] = sum_ref / n;
+    total += sum;
+    total_ref += sum_ref;
+    sq += t.sum_sq;
+    step_sq += t.step_sq;
+    steps += t.steps;
+    s.n += n;
+  }
+  s.mean = total / s.n;
+  const Vec3 mean_in_ref = total_ref / s.n;
+  s.mean_still = w == kGyrIndex ? s.mean : Vec3(R_middle_ref * mean_in_ref);
+  s.power = std::max(0.0, (sq / s.n - mean_in_ref.cwiseProduct(mean_in_ref)).sum());
+  s.white_var = steps > 0 ? step_sq.sum() / (6.0 * steps) : 0.0;  // mean over the axes of half the mean square step
+  s.constant = steps > 0 && step_sq.maxCoeff() == 0.0;
+  for (std::size_t q = 0; q < kQuarters; ++q) {
+    s.spread_sq += (mean[q] - s.mean).squaredNorm();
+    s.spread_still_sq += (mean_ref[q] - mean_in_ref).squaredNorm();
+  }
+  // Least squares over four equally spaced quarters: sum c_q m_q / (5 T_q), c = -1.5, -0.5, 0.5, 1.5.
+  const double quarter_s = params_.window_s / kQuarters;
+  s.slope = (1.5 * (mean[3] - mean[0]) + 0.5 * (mean[2] - mean[1])) / (5.0 * quarter_s);
+  // Covariance of the mean from block means: correlated noise and vibration are inside, which sigma^2/n would miss.
+  int blocks = 0;
+  for (const auto& quarter : quarters_) {
+    const Triad& t = quarter.triad[w];
+    for (std::size_t b = 0; b < kBlocks; ++b) {
+      if (t.n[b] == 0) continue;
+      const Vec3 d = t.block_ref[b] / t.n[b] - mean_in_ref;
+      s.cov += d * d.transpose();
+      ++blocks;
+    }
+  }
+  if (blocks > 1) s.cov /= static_cast<double>(blocks) * (blocks - 1);
+  if (w != kGyrIndex) s.cov = (R_middle_ref * s.cov * R_middle_ref.transpose()).eval();
+  s.cov += 1e-12 * Mat3::Identity();
+  return s;
+}
+
+Refusal RestDetector::judge_force(Evidence& e, const CalibrationSnapshot& calibration) const noexcept {
+  const Summary& acc = e.triad[kAccIndex];
+  const Summary& gyr = e.triad[kGyrIndex];
+  if (acc.n == 0) return Refusal::kNoAccelerometer;
+  if (acc.n < kLeastSamples) return Refusal::kFilling;
+  for (const auto& q : quarters_)
+    if (q.clipped) return Refusal::kClipped;
+  if (acc.constant && gyr.n > 0 && (gyr.constant || chain_.angle_rad > kStillStuckTurn_rad)) return Refusal::kStuck;
+  if (acc.power > params_.vibration_mps2 * params_.vibration_mps2) return Refusal::kVibrating;
+  if (gyr.n > 0 && gyr.power > params_.vibration_radps * params_.vibration_radps) return Refusal::kVibrating;
+  // White noise alone gives the spread an expectation of 3 axes x 3 degrees of freedom x variance of a quarter mean.
+  const double noise = 9.0 * acc.white_var / (0.25 * acc.n);
+  const double limit = params_.acc_spread_mps2 * params_.acc_spread_mps2 + noise;
+  e.use_still = gyr.n > 0 && acc.spread_still_sq < acc.spread_sq;
+  if (std::min(acc.spread_sq, e.use_still ? acc.spread_still_sq : acc.spread_sq) > limit) {
+    return Refusal::kLinearAcceleration;
+  }
+  const double norm_sd = calibration.acc.norm_sd > 0 ? calibration.acc.norm_sd / params_.gravity_mps2 : 0.0;
+  const double norm = (e.use_still ? acc.mean_still : acc.mean).norm() / params_.gravity_mps2;
+  if (std::abs(norm - 1.0) > std::max(params_.norm_tolerance, kSignificant * norm_sd)) return Refusal::kNotGravity;
+  return Refusal::kNone;
+}
+
+Refusal RestDetector::judge_rate(Evidence& e, const CalibrationSnapshot& calibration) const noexcept {
+  const Summary& acc = e.triad[kAccIndex];
+  const Summary& gyr = e.triad[kGyrIndex];
+  const double limit_gyr = params_.gyr_spread_radps * params_.gyr_spread_radps;
+  if (gyr.n > 0 && gyr.spread_sq > limit_gyr + 9.0 * gyr.white_var / (0.25 * gyr.n)) return Refusal::kSwaying;
+  const bool turning = turns(e, calibration);
+  const double limit_acc = params_.acc_spread_mps2 * params_.acc_spread_mps2 + 9.0 * acc.white_var / (0.25 * acc.n);
+  return turning || acc.spread_sq > limit_acc ? Refusal::kTurning : Refusal::kNone;
+}
+
+/// Rate of turn from the change of gravity and field, u' = u x w: least squares over both, inside the window and from
+/// the anchor (R4). `turn_cov` is what remains possible; a turn nothing observes keeps the sd `unseen_turn_sd_radps`.
+bool RestDetector::turns(Evidence& e, const CalibrationSnapshot& calibration) const noexcept {
+  Mat3 information = Mat3::Zero();
+  Vec3 rhs = Vec3::Zero();
+  const double quarter_s = params_.window_s / kQuarters;
+  const double baseline_s =
+      anchor_.set ? static_cast<double>(quarters_.back().t_last_ns - anchor_.t_ns) * kSecondsPerNs : 0.0;
+  for (const std::size_t k : {kAccIndex, kMagIndex}) {
+    const Summary& s = e.triad[k];
+    if (s.n == 0) continue;
+    const double wander = k == kAccIndex ? kAccSlope_mps2 : kMagDrift_uT;
+    const double drift = k == kAccIndex ? kAccDrift_mps2 : kMagDrift_uT;
+    double var = s.white_var / (0.25 * s.n) / (5.0 * quarter_s * quarter_s) +
+                 wander * wander / (params_.window_s * params_.window_s);
+    Vec3 rate = s.slope;
+    if (baseline_s > 0 && anchor_.has[k]) {
+      const double var_base = ((anchor_.cov[k] + s.cov).trace() / 3.0 + drift * drift) / (baseline_s * baseline_s);
+      if (var_base < var) {
+        var = var_base;
+        rate = (s.mean - anchor_.mean[k]) / baseline_s;
+      }
+    }
+    Mat3 A;
+    A << 0, -s.mean.z(), s.mean.y(), s.mean.z(), 0, -s.mean.x(), -s.mean.y(), s.mean.x(), 0;
+    information += A.transpose() * A / var;
+    rhs += A.transpose() * rate / var;
+  }
+  const double prior_var = params_.unseen_turn_sd_radps * params_.unseen_turn_sd_radps;
+  const Mat3 regular = information + Mat3::Identity() / prior_var;
+  e.turn_cov = regular.inverse();
+  const Vec3 turn = e.turn_cov * rhs;
+  const double limit = kSignificant * kSignificant;
+  if (turn.norm() > params_.turn_radps && turn.dot(information * turn) > limit) return true;
+  // Where neither gravity nor field can tell, only what is known of the gyro's bias can.
+  const Summary& gyr = e.triad[kGyrIndex];
+  if (gyr.n == 0 || calibration.gyr.status != CalibrationStatus::kOk) return false;
+  const Vec3 unseen = e.turn_cov * gyr.mean / prior_var;
+  const double size = unseen.norm();
+  if (size <= params_.turn_radps) return false;
+  const Vec3 axis = unseen / size;
+  const Mat3 known = mat(calibration.gyr.bias_covariance) + gyr.cov;
+  return size * size > limit * axis.dot(known * axis);
+}
+
+}  // namespace stillpoint::calib
