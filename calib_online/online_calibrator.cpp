@@ -73,6 +73,13 @@ bool OnlineCalibrator::absorb(const Window& window) noexcept {
   s_.temp_min_degC = std::min(s_.temp_min_degC, temp_degC);
   s_.temp_max_degC = std::max(s_.temp_max_degC, temp_degC);
   bool changed = (window.has & kAcc) != 0 && absorb_acc(window);
+  if (window.refusal == Refusal::kTurning && s_.stretch_windows > 0) {
+    // The turn did not begin when it was seen: the whole stretch is set aside.
+    s_.gyr_windows -= s_.stretch_windows;
+    s_.stretch_windows = 0;
+    publish_gyr(temp_degC);
+    changed = true;
+  }
   changed = ((window.has & kGyr) != 0 && absorb_gyr(window)) || changed;
   if (changed) {
     ++snapshot_.version;
@@ -246,7 +253,7 @@ void OnlineCalibrator::publish_gyr(double temp_degC) noexcept {
   out.bias_covariance = array(P);
   out.norm_sd = std::sqrt(P.trace() / 3.0);
   out.windows = s_.gyr_windows;
-  out.status = CalibrationStatus::kOk;
+  out.status = s_.gyr_windows > 0 ? CalibrationStatus::kOk : CalibrationStatus::kTooFewWindows;
 }
 
 }  // namespace stillpoint::calib

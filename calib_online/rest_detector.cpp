@@ -11,7 +11,7 @@ namespace {
 
 constexpr int kAccIndex = 0, kGyrIndex = 1, kMagIndex = 2;
 constexpr double kMovedRate_radps = 0.35;      // faster than any turn a stretch of rest could hide
-constexpr double kTurnLast_s = 900.0;          // a steady turn that lasts longer is taken for a changed bias
+constexpr double kAnchorAngle_rad = 0.3;       // beyond, the chord of a turn is no longer its arc
 constexpr double kAnchorAge_s = 120.0;         // longer, and the drift of the sensors looks like a turn
 constexpr double kScaleError = 0.005;          // of a gyro before its matrix is learnt
 constexpr double kGyrNoise_radps_rtHz = 2e-4;  // a consumer gyro's 0.01 deg/s/sqrt(Hz)
@@ -153,31 +153,25 @@ std::optional<Window> RestDetector::evaluate(const CalibrationSnapshot& calibrat
   const Refusal force = judge_force(e, calibration);
   if (force != Refusal::kNone) {
     last_refusal_ = force;
-    anchor_.set = false;
+    anchor_.set = anchor_.set && force == Refusal::kTurning;
     return std::nullopt;
   }
-  Refusal rate = judge_rate(e, calibration);
-  const std::int64_t now_ns = quarters_.back().t_last_ns;
-  if (rate == Refusal::kTurning) {
-    if (!turning_) turning_since_ns_ = now_ns;
-    turning_ = true;
-    if (static_cast<double>(now_ns - turning_since_ns_) * kSecondsPerNs > kTurnLast_s) rate = Refusal::kNone;
-  } else {
-    turning_ = false;
-  }
+  const Refusal rate = judge_rate(e, calibration);
   last_refusal_ = rate;
-  set_anchor(e, rate);
+  keep_anchor(e, rate);
   return make_window(e, rate, calibration);
 }
 
-void RestDetector::set_anchor(const Evidence& e, Refusal rate) noexcept {
+/// The anchor stays through a steady turn: it is what shows the turn. Sway starts anew.
+void RestDetector::keep_anchor(const Evidence& e, Refusal rate) noexcept {
   const std::int64_t now_ns = quarters_.back().t_last_ns;
   const double age_s = static_cast<double>(now_ns - anchor_.t_ns) * kSecondsPerNs;
-  if (rate != Refusal::kNone) {
+  if (rate == Refusal::kSwaying) {
     anchor_.set = false;
+    seen_turn_ = Vec3::Zero();
     return;
   }
-  if (anchor_.set && age_s < kAnchorAge_s) return;
+  if (anchor_.set && age_s < kAnchorAge_s && age_s * seen_turn_.norm() < kAnchorAngle_rad) return;
   anchor_.set = true;
   anchor_.t_ns = now_ns;
   for (std::size_t k = 0; k < 3; ++k) {

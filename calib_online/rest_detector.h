@@ -113,7 +113,10 @@ class RestDetector {
     Vec3 mean_still = Vec3::Zero();  ///< de-rotated to the middle of the window
     Mat3 cov = Mat3::Zero();         ///< of the mean
     Vec3 slope = Vec3::Zero();       ///< of the readings, 1/s
-    double white_var = 0.0, spread_sq = 0.0, spread_still_sq = 0.0, power = 0.0;
+    double white_var = 0.0, power = 0.0;
+    double spread_sq = 0.0;        ///< sum of squares of the quarter means about their mean
+    double spread_still_sq = 0.0;  ///< the same, de-rotated
+    double spread_turn_sq = 0.0;   ///< the same, with the best steady turn removed
     bool constant = false;
   };
   struct Evidence {
@@ -131,11 +134,12 @@ class RestDetector {
   std::optional<Window> evaluate(const CalibrationSnapshot& calibration) noexcept;
   [[nodiscard]] Summary summarise(int which) const noexcept;
   [[nodiscard]] Refusal judge_force(Evidence& e, const CalibrationSnapshot& calibration) const noexcept;
-  [[nodiscard]] Refusal judge_rate(Evidence& e, const CalibrationSnapshot& calibration) const noexcept;
-  [[nodiscard]] bool turns(Evidence& e, const CalibrationSnapshot& calibration) const noexcept;
+  [[nodiscard]] Refusal judge_rate(Evidence& e, const CalibrationSnapshot& calibration) noexcept;
+  [[nodiscard]] bool turns(Evidence& e) noexcept;
+  [[nodiscard]] bool rate_beyond_known_bias(const Evidence& e, const CalibrationSnapshot& calibration) noexcept;
   Window make_window(const Evidence& e, Refusal rate, const CalibrationSnapshot& calibration) noexcept;
   void hand_on_rotation(Window& w, const CalibrationSnapshot& calibration) noexcept;
-  void set_anchor(const Evidence& e, Refusal rate) noexcept;
+  void keep_anchor(const Evidence& e, Refusal rate) noexcept;
 
   Params params_;
   std::int64_t quarter_ns_ = 0;
@@ -158,8 +162,9 @@ class RestDetector {
     std::array<bool, 3> has{};
     std::int64_t t_ns = 0;
   } anchor_;
-  std::int64_t turning_since_ns_ = 0;
-  bool turning_ = false;
+  Vec3 seen_turn_ = Vec3::Zero();  ///< rad/s; the last steady turn that gravity or field showed, zero when it is over
+  std::int64_t suspected_since_ns_ = 0;
+  bool suspected_ = false;
   Refusal last_refusal_ = Refusal::kFilling;
 };
 

@@ -14,6 +14,8 @@ constexpr double kAccDrift_mps2 = 0.01;   // 1 mg: what an accelerometer may dri
 constexpr double kMagDrift_uT = 0.3;      // the same for the field and its sensor
 constexpr double kAccSlope_mps2 = 0.005;  // slow wander of the readings inside a window
 constexpr double kSignificant = 5.0;      // sd; one test a window, a day has 4e4 of them
+constexpr double kSlowTurn_radps = 0.09;  // 5 deg/s: faster, and the lever arm of the sensor is felt
+constexpr double kTurnLast_s = 900.0;     // a turn that only the gyro shows and that lasts longer is a changed bias
 constexpr double kStillStuckTurn_rad = 0.17;
 
 }  // namespace
@@ -84,6 +86,12 @@ RestDetector::Summary RestDetector::summarise(int which) const noexcept {
   // Least squares over four equally spaced quarters: sum c_q m_q / (5 T_q), c = -1.5, -0.5, 0.5, 1.5.
   const double quarter_s = params_.window_s / kQuarters;
   s.slope = (1.5 * (mean[3] - mean[0]) + 0.5 * (mean[2] - mean[1])) / (5.0 * quarter_s);
+  // A steady turn moves the reading across itself, never along: that part of the slope is taken out.
+  const Vec3 across = s.slope - s.mean * (s.mean.dot(s.slope) / std::max(1e-12, s.mean.squaredNorm()));
+  for (std::size_t q = 0; q < kQuarters; ++q) {
+    const double t_s = (static_cast<double>(q) - 1.5) * quarter_s;
+    s.spread_turn_sq += (mean[q] - s.mean - t_s * across).squaredNorm();
+  }
   // Covariance of the mean from block means: correlated noise and vibration are inside, which sigma^2/n would miss.
   int blocks = 0;
   for (const auto& quarter : quarters_) {
@@ -115,8 +123,10 @@ Refusal RestDetector::judge_force(Evidence& e, const CalibrationSnapshot& calibr
   const double noise = 9.0 * acc.white_var / (0.25 * acc.n);
   const double limit = params_.acc_spread_mps2 * params_.acc_spread_mps2 + noise;
   e.use_still = gyr.n > 0 && acc.spread_still_sq < acc.spread_sq;
-  if (std::min(acc.spread_sq, e.use_still ? acc.spread_still_sq : acc.spread_sq) > limit) {
-    return Refusal::kLinearAcceleration;
+  const bool still = acc.spread_sq <= limit;
+  const bool still_turned = e.use_still && acc.spread_still_sq <= limit && gyr.mean.norm() < kSlowTurn_radps;
+  if (!still && !still_turned) {
+    return acc.spread_turn_sq <= limit ? Refusal::kTurning : Refusal::kLinearAcceleration;
   }
   const double norm_sd = calibration.acc.norm_sd > 0 ? calibration.acc.norm_sd / params_.gravity_mps2 : 0.0;
   const double norm = (e.use_still ? acc.mean_still : acc.mean).norm() / params_.gravity_mps2;
@@ -124,19 +134,20 @@ Refusal RestDetector::judge_force(Evidence& e, const CalibrationSnapshot& calibr
   return Refusal::kNone;
 }
 
-Refusal RestDetector::judge_rate(Evidence& e, const CalibrationSnapshot& calibration) const noexcept {
+Refusal RestDetector::judge_rate(Evidence& e, const CalibrationSnapshot& calibration) noexcept {
   const Summary& acc = e.triad[kAccIndex];
   const Summary& gyr = e.triad[kGyrIndex];
   const double limit_gyr = params_.gyr_spread_radps * params_.gyr_spread_radps;
   if (gyr.n > 0 && gyr.spread_sq > limit_gyr + 9.0 * gyr.white_var / (0.25 * gyr.n)) return Refusal::kSwaying;
-  const bool turning = turns(e, calibration);
   const double limit_acc = params_.acc_spread_mps2 * params_.acc_spread_mps2 + 9.0 * acc.white_var / (0.25 * acc.n);
-  return turning || acc.spread_sq > limit_acc ? Refusal::kTurning : Refusal::kNone;
+  const bool turning = turns(e);
+  if (turning || acc.spread_sq > limit_acc || rate_beyond_known_bias(e, calibration)) return Refusal::kTurning;
+  return Refusal::kNone;
 }
 
 /// Rate of turn from the change of gravity and field, u' = u x w: least squares over both, inside the window and from
 /// the anchor (R4). `turn_cov` is what remains possible; a turn nothing observes keeps the sd `unseen_turn_sd_radps`.
-bool RestDetector::turns(Evidence& e, const CalibrationSnapshot& calibration) const noexcept {
+bool RestDetector::turns(Evidence& e) noexcept {
   Mat3 information = Mat3::Zero();
   Vec3 rhs = Vec3::Zero();
   const double quarter_s = params_.window_s / kQuarters;
@@ -163,20 +174,44 @@ bool RestDetector::turns(Evidence& e, const CalibrationSnapshot& calibration) co
     rhs += A.transpose() * rate / var;
   }
   const double prior_var = params_.unseen_turn_sd_radps * params_.unseen_turn_sd_radps;
-  const Mat3 regular = information + Mat3::Identity() / prior_var;
-  e.turn_cov = regular.inverse();
-  const Vec3 turn = e.turn_cov * rhs;
-  const double limit = kSignificant * kSignificant;
-  if (turn.norm() > params_.turn_radps && turn.dot(information * turn) > limit) return true;
-  // Where neither gravity nor field can tell, only what is known of the gyro's bias can.
+  const Mat3 bound = (information + Mat3::Identity() / prior_var).inverse();
+  // The test leans on no prior: only the axis that nothing observes is held.
+  const Mat3 free = (information + Mat3::Identity()).inverse();
+  const Vec3 turn = free * rhs;
+  // A turn below significance is not refused, but what is seen of it is possible.
+  e.turn_cov = bound + turn * turn.transpose();
+  if (turn.norm() > params_.turn_radps && turn.dot(information * turn) > kSignificant * kSignificant) {
+    seen_turn_ = turn;
+    return true;
+  }
+  // Once seen, a turn is over when it would be seen and is not.
+  const double seen = seen_turn_.norm();
+  if (seen > 0.0) {
+    const Vec3 axis = seen_turn_ / seen;
+    const bool over = kSignificant * kSignificant * axis.dot(free * axis) < seen * seen;
+    if (!over) return true;
+    seen_turn_ = Vec3::Zero();
+  }
+  return false;
+}
+
+/// Where neither gravity nor field can tell, only what is known of the gyro's bias can.
+bool RestDetector::rate_beyond_known_bias(const Evidence& e, const CalibrationSnapshot& calibration) noexcept {
   const Summary& gyr = e.triad[kGyrIndex];
   if (gyr.n == 0 || calibration.gyr.status != CalibrationStatus::kOk) return false;
+  const double prior_var = params_.unseen_turn_sd_radps * params_.unseen_turn_sd_radps;
   const Vec3 unseen = e.turn_cov * gyr.mean / prior_var;
   const double size = unseen.norm();
-  if (size <= params_.turn_radps) return false;
-  const Vec3 axis = unseen / size;
+  const Vec3 axis = unseen / std::max(size, 1e-12);
   const Mat3 known = mat(calibration.gyr.bias_covariance) + gyr.cov;
-  return size * size > limit * axis.dot(known * axis);
+  if (size <= params_.turn_radps || size * size <= kSignificant * kSignificant * axis.dot(known * axis)) {
+    suspected_ = false;
+    return false;
+  }
+  const std::int64_t now_ns = quarters_.back().t_last_ns;
+  if (!suspected_) suspected_since_ns_ = now_ns;
+  suspected_ = true;
+  return static_cast<double>(now_ns - suspected_since_ns_) * kSecondsPerNs < kTurnLast_s;
 }
 
 }  // namespace stillpoint::calib
