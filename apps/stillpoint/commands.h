@@ -19,5 +19,6 @@ inline int report(const Error& error) {
 }
 
 void add_check(CLI::App& app, Run& run);
+void add_noise(CLI::App& app, Run& run);
 
 }  // namespace stillpoint::app

@@ -7,6 +7,7 @@ int main(int argc, char** argv) {
   cli.require_subcommand(1);
   app::Run run;
   app::add_check(cli, run);
+  app::add_noise(cli, run);
   try {
     cli.parse(argc, argv);
   } catch (const CLI::ParseError& e) {
