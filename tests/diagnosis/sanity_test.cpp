@@ -1,0 +1,141 @@
+/// Each mistake is made on a recording that is right, and must be named; the right one must pass in silence.
+#include "diagnosis/sanity.h"
+
+#include <gmock/gmock.h>
+
+#include <cmath>
+#include <random>
+
+#include "core/so3.h"
+
+namespace stillpoint::diag {
+namespace {
+
+using testing::HasSubstr;
+
+constexpr double kStep_s = 0.02;
+
+sim::SimulationConfig baseline() {
+  sim::SimulationConfig s;
+  s.rate_hz = 1 / kStep_s;
+  s.accelerometer = sim::TriadConfig{.noise_sd = 0.02};
+  s.gyroscope = sim::TriadConfig{.noise_sd = 0.001};
+  s.magnetometer = sim::TriadConfig{.noise_sd = 0.3};
+  return s;
+}
+
+/// A minute of tumbling about changing axes while the body swings through some decimetres.
+io::Recording tumbling() {
+  std::mt19937_64 engine(7);
+  std::normal_distribution<double> normal;
+  const auto noise = [&](double sd) { return Vec3(sd * normal(engine), sd * normal(engine), sd * normal(engine)); };
+  const auto config = baseline();
+  io::Recording r;
+  Quat q = exp_quat(Vec3(0.2, -0.4, 0.3));
+  for (int i = 0; i < 3000; ++i) {
+    const double t = i * kStep_s;
+    const Vec3 rate(1.5 * std::sin(1.1 * t), 1.2 * std::cos(0.7 * t + 1), 1.8 * std::sin(0.5 * t + 2));
+    const Vec3 p(0.2 * std::sin(2 * t), 0.1 * std::sin(3 * t + 1), 0.15 * std::cos(2.5 * t));
+    const Vec3 a(-0.8 * std::sin(2 * t), -0.9 * std::sin(3 * t + 1), -0.9375 * std::cos(2.5 * t));
+    r.t_ns.push_back(static_cast<std::int64_t>(std::llround(1e9 * t)));
+    r.ref_q_world_body.emplace_back(q.w(), q.x(), q.y(), q.z());
+    r.ref_position_m.push_back(p);
+    r.acc_mps2.push_back(q.conjugate() * (a + Vec3(0, 0, config.gravity_mps2)) + noise(0.02));
+    r.gyr_radps.push_back(rate + noise(0.001));
+    r.mag_uT.push_back(q.conjugate() * config.field_world_uT + noise(0.3));
+    q = q * exp_quat(rate * kStep_s);
+  }
+  return r;
+}
+
+Sanity checked(const io::Recording& r) { return check_input(r, baseline()); }
+
+void expect_notice(const Sanity& s, const std::string& words) {
+  ASSERT_EQ(s.notices.size(), 1U);
+  EXPECT_THAT(s.notices[0], HasSubstr(words));
+}
+
+TEST(Sanity, IsSilentOnARightRecording) {
+  const auto s = checked(tumbling());
+  EXPECT_THAT(s.notices, testing::IsEmpty());
+  EXPECT_FALSE(s.reference_unusable || s.nothing_usable || s.unusable[kAcc] || s.unusable[kGyr] || s.unusable[kMag]);
+}
+
+TEST(Sanity, NamesUnits) {
+  auto r = tumbling();
+  for (auto& a : r.acc_mps2) a /= 9.80665;
+  EXPECT_TRUE(checked(r).unusable[kAcc]);
+  expect_notice(checked(r), "g instead of m/s^2");
+  r = tumbling();
+  for (auto& m : r.mag_uT) m *= 10;
+  expect_notice(checked(r), "milligauss");
+  r = tumbling();
+  for (auto& m : r.mag_uT) m *= 0.01;
+  expect_notice(checked(r), "like gauss");
+  r = tumbling();
+  for (auto& g : r.gyr_radps) g *= 180 / M_PI;
+  expect_notice(checked(r), "degrees per second");
+  r.ref_q_world_body.clear(), r.ref_position_m.clear();
+  expect_notice(checked(r), "degrees per second");
+}
+
+TEST(Sanity, NamesTheConventionOfTheReference) {
+  const Quat ned(0, std::sqrt(0.5), std::sqrt(0.5), 0);
+  auto r = tumbling();
+  for (auto& q : r.ref_q_world_body) q.tail<3>() *= -1;
+  EXPECT_TRUE(checked(r).reference_unusable);
+  expect_notice(checked(r), "conjugated");
+  r = tumbling();
+  for (auto& q : r.ref_q_world_body) q = Eigen::Vector4d(q[1], q[2], q[3], q[0]);
+  expect_notice(checked(r), "x,y,z,w");
+  r = tumbling();
+  for (auto& q : r.ref_q_world_body) {
+    const Quat turned = ned * Quat(q[0], q[1], q[2], q[3]);
+    q = Eigen::Vector4d(turned.w(), turned.x(), turned.y(), turned.z());
+  }
+  for (auto& p : r.ref_position_m) p = Vec3(p.y(), p.x(), -p.z());
+  expect_notice(checked(r), "north-east-down");
+  r = tumbling();
+  for (auto& q : r.ref_q_world_body) q[1] *= -1, q[3] *= -1;
+  expect_notice(checked(r), "left-handed");
+}
+
+TEST(Sanity, NamesASensorWithOtherAxes) {
+  auto r = tumbling();
+  for (auto& a : r.acc_mps2) a *= -1;
+  EXPECT_FALSE(checked(r).reference_unusable);
+  expect_notice(checked(r), "gravity where specific force");
+  r = tumbling();
+  for (auto& g : r.gyr_radps) g.y() *= -1;
+  expect_notice(checked(r), "left-handed");
+}
+
+TEST(Sanity, NamesAReferenceWithAnotherHeadingOrClock) {
+  auto r = tumbling();
+  const Quat turn(std::sqrt(0.5), 0, 0, std::sqrt(0.5));
+  for (auto& q : r.ref_q_world_body) {
+    const Quat turned = turn * Quat(q[0], q[1], q[2], q[3]);
+    q = Eigen::Vector4d(turned.w(), turned.x(), turned.y(), turned.z());
+  }
+  for (auto& p : r.ref_position_m) p = turn * p;
+  expect_notice(checked(r), "field_world_uT");
+  r = tumbling();
+  std::rotate(r.ref_q_world_body.begin(), r.ref_q_world_body.end() - 25, r.ref_q_world_body.end());
+  std::rotate(r.ref_position_m.begin(), r.ref_position_m.end() - 25, r.ref_position_m.end());
+  expect_notice(checked(r), "reference: it is 0.5");
+}
+
+TEST(Sanity, SaysWhatIsMissing) {
+  auto r = tumbling();
+  r.mag_uT.clear();
+  expect_notice(checked(r), "no such columns");
+  r = tumbling();
+  for (auto& m : r.mag_uT) m.x() = 3.0;
+  EXPECT_TRUE(checked(r).unusable[kMag]);
+  r = tumbling();
+  r.t_ns.resize(100);
+  EXPECT_TRUE(checked(r).nothing_usable);
+}
+
+}  // namespace
+}  // namespace stillpoint::diag
