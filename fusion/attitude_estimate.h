@@ -1,0 +1,49 @@
+/// What the attitude filter says about one sample.
+#pragma once
+#include <array>
+#include <cstdint>
+#include <type_traits>
+
+#include "core/types.h"
+
+namespace stillpoint::fusion {
+
+using Array4 = std::array<double, 4>;
+
+/// What the heading is measured against.
+enum class HeadingReference : std::uint8_t {
+  kRelative,   ///< no magnetometer so far: heading counts from the initial heading and drifts with the gyro
+  kMagnetic,   ///< the magnetometer is trusted: heading counts from east, declination applied
+  kDisturbed,  ///< a magnetometer is there, but its field is not the reference field: the gyro carries the heading
+};
+
+enum class AttitudeStatus : std::uint8_t {
+  kWaiting,  ///< no accelerometer reading yet: the attitude is the identity with a covariance of pi^2
+  kOk,
+  kDegraded,  ///< a part is missing, clipped or stuck, or the sample came after a gap: see the covariance
+  kRefused,   ///< this sample was not used at all: its time did not advance or none of its parts was usable
+};
+
+/// World frame ENU, body frame x forward, y left, z up (in_ned() converts). Always a unit quaternion, always finite.
+struct AttitudeEstimate {
+  std::int64_t t_ns = 0;            ///< time of the sample
+  Array4 q_world_body{1, 0, 0, 0};  ///< w, x, y, z; rotates body vectors into the world
+  Array9 covariance_world_rad2{};   ///< of the rotation error about the fixed world axes (REP-103), row-major
+  double sigma_roll_rad = 0.0;      ///< standard deviation about the horizontal axis of the heading
+  double sigma_pitch_rad = 0.0;     ///< about the horizontal axis across the heading
+  double sigma_yaw_rad = 0.0;       ///< about the vertical
+  Array3 rate_body_radps{};         ///< angular rate without residual bias and residual matrix error
+  Array3 gyro_bias_radps{};         ///< residual bias that remains after the calibration
+  Array3 gyro_bias_sd_radps{};
+  bool at_rest = false;
+  HeadingReference heading = HeadingReference::kRelative;
+  AttitudeStatus status = AttitudeStatus::kWaiting;
+};
+
+static_assert(std::is_trivially_copyable_v<AttitudeEstimate>);
+
+/// The same attitude with world NED and body x forward, y right, z down. The two frames of each pair are both turned
+/// by a fixed rotation, so roll keeps its sign and pitch and yaw change theirs, as the conventions want.
+[[nodiscard]] AttitudeEstimate in_ned(const AttitudeEstimate& enu) noexcept;
+
+}  // namespace stillpoint::fusion

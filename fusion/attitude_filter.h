@@ -1,0 +1,155 @@
+/// Attitude by an error-state Kalman filter around a quaternion: 9D with a magnetometer, 6D without.
+/// Equations (A1)...(A14) and what they are taken from: docs/math/attitude.md.
+/// The form after Sola, "Quaternion kinematics for the error-state Kalman filter" (2017), sections 5 and 7 (error in
+/// the world frame); acceleration seen through bounded motion, in a gyro-fixed frame, after the idea of Laidig and
+/// Seel, "VQF: Highly accurate IMU orientation estimation with bias estimation and magnetic disturbance rejection"
+/// (2023).
+#pragma once
+#include <optional>
+
+#include "core/calibration.h"
+#include "core/fields.h"
+#include "core/types.h"
+#include "fusion/attitude_estimate.h"
+#include "fusion/error_state.h"
+#include "fusion/field_reference.h"
+
+namespace stillpoint::fusion {
+
+/// What is known of the sensor and of the way it is moved. No value depends on the sampling rate.
+struct AttitudeFilterParams {
+  double gyr_noise_radps_rtHz = 3e-4;
+  double gyr_bias_sd_radps = 0.01;
+  double gyr_bias_walk_radps_rtHz = 2e-5;
+  double gyr_matrix_sd = 0.006;
+  double acc_bias_sd_mps2 = 0.05;
+  double acc_bias_walk_mps2_rtHz = 1e-4;
+  double acc_noise_mps2_rtHz = 0.01;
+  double motion_speed_mps = 0.5;
+  double motion_radius_m = 0.3;
+  double motion_time_s = 0.5;
+  double rest_speed_mps = 0.005;
+  double rest_rate_radps = 0.002;
+  double heading_noise_rad = 0.03;
+  double heading_disturbance_rad = 0.05;
+  double heading_disturbance_time_s = 10.0;
+  FieldReferenceParams field_reference;
+  double update_period_s = 0.028;
+  double declination_rad = 0.0;
+  double prediction_s = 0.0;
+  bool use_magnetometer = true;
+
+  static constexpr auto fields() {
+    using P = AttitudeFilterParams;
+    return std::tuple{
+        field("gyr_noise_radps_rtHz", &P::gyr_noise_radps_rtHz, in_range(1e-7, 1.0),
+              "white noise density of the gyroscope (angle random walk); the data sheet or an Allan plot has it"),
+        field("gyr_bias_sd_radps", &P::gyr_bias_sd_radps, in_range(0.0, 1.0),
+              "bias that the calibration may have left at the start"),
+        field("gyr_bias_walk_radps_rtHz", &P::gyr_bias_walk_radps_rtHz, in_range(0.0, 0.1),
+              "random walk of that bias; small: slow to follow warming up, large: noisy bias"),
+        field("gyr_matrix_sd", &P::gyr_matrix_sd, in_range(0.0, 0.1),
+              "scale and misalignment error that the calibration may have left, per element"),
+        field("acc_bias_sd_mps2", &P::acc_bias_sd_mps2, in_range(0.0, 5.0),
+              "accelerometer bias that the calibration may have left at the start"),
+        field("acc_bias_walk_mps2_rtHz", &P::acc_bias_walk_mps2_rtHz, in_range(0.0, 1.0), "random walk of that bias"),
+        field("acc_noise_mps2_rtHz", &P::acc_noise_mps2_rtHz, in_range(1e-6, 10.0),
+              "white noise density of the accelerometer, vibration included"),
+        field("motion_speed_mps", &P::motion_speed_mps, in_range(1e-3, 1e4),
+              "typical speed about the mean position: hand motion 0.5, vehicle 20; large: tilt leans on the gyroscope"),
+        field("motion_radius_m", &P::motion_radius_m, in_range(1e-3, 1e6), "typical distance from the mean position"),
+        field("motion_time_s", &P::motion_time_s, in_range(1e-2, 1e4), "time after which the motion is another one"),
+        field("rest_speed_mps", &P::rest_speed_mps, in_range(1e-5, 1.0), "speed that is still called rest"),
+        field("rest_rate_radps", &P::rest_rate_radps, in_range(1e-6, 0.1), "turn rate that is still called rest"),
+        field("heading_noise_rad", &P::heading_noise_rad, in_range(1e-4, 1.0),
+              "error of one magnetic heading: noise and residual calibration, changing with the orientation"),
+        field("heading_disturbance_rad", &P::heading_disturbance_rad, in_range(0.0, 3.0),
+              "typical magnetic deviation of the place; the part of the heading error that stays"),
+        field("heading_disturbance_time_s", &P::heading_disturbance_time_s, in_range(0.1, 1e5),
+              "time after which that deviation is another one"),
+        field("field_reference", &P::field_reference, "when the magnetic field is the reference field"),
+        field("update_period_s", &P::update_period_s, in_range(1e-4, 1.0),
+              "the covariance runs at this period, the attitude at every sample"),
+        field("declination_rad", &P::declination_rad, in_range(-3.15, 3.15),
+              "angle from true north to magnetic north, positive when magnetic north lies east"),
+        field("prediction_s", &P::prediction_s, in_range(0.0, 0.1),
+              "fixed latency to make up for: the published attitude is turned on by rate times this; 0: off"),
+        field("use_magnetometer", &P::use_magnetometer, "false: 6D, the heading is relative")};
+  }
+};
+
+/// One sensor's filter. Copying it copies all its state, and a copy continues bit for bit.
+/// step() is wait-free and allocates nothing.
+class AttitudeFilter {
+ public:
+  explicit AttitudeFilter(const AttitudeFilterParams& params = {}) noexcept;
+
+  /// Forgets everything. The heading starts at `heading_rad` (counter-clockwise from east, ENU) until, and unless, a
+  /// magnetometer says otherwise; without one it starts at 0.
+  void reset(std::optional<double> heading_rad = std::nullopt) noexcept;
+
+  /// One sample in time order; parts it does not hold are bridged. `at_rest` is the rest detector's word for it.
+  [[nodiscard]] AttitudeEstimate step(const CalibratedSample& sample, bool at_rest) noexcept;
+
+  /// The calibration has changed between two samples: the states are expressed anew, so that corrected rates and
+  /// forces stay what they were and no rest evidence counts twice; only a change with temperature passes through.
+  void rebase(const CalibrationSnapshot& from, const CalibrationSnapshot& to) noexcept;
+
+  [[nodiscard]] const AttitudeFilterParams& params() const noexcept { return params_; }
+
+ private:
+  struct Nominal {  ///< the estimate itself; the error state holds its uncertainty
+    Array4 q_world_body{1, 0, 0, 0};
+    Array3 velocity_mps{}, position_m{};
+    Array3 gyr_bias_radps{}, acc_bias_mps2{};
+    Array9 gyr_matrix{};  ///< M of (A2), column by column
+    double disturbance_rad = 0.0;
+  };
+  struct Sums {  ///< over the samples since the last covariance step
+    MotionSums motion;
+    Array9 theta_rad2{};  ///< noise of the rotation, world axes
+    double velocity_m2ps2 = 0.0;
+    Array3 rate_radps_s{};  ///< integral of the corrected rate
+    Array3 field_uT{};      ///< sum of the readings in world axes
+    int fields = 0;
+    bool moved = false;        ///< the rest detector said so at least once
+    bool accelerated = false;  ///< an accelerometer reading was there
+  };
+  struct State {
+    Nominal x;
+    ErrorState error;
+    FieldReference field;
+    Sums sums;
+    std::int64_t t_ns = 0;
+    Array3 rate_radps{};     ///< last corrected rate, for bridging
+    Array3 last_field_uT{};  ///< last reading, to tell a held value from a new one
+    double temp_degC = 25.0;
+    double start_heading_rad = 0.0;
+    double magnetic_s = 0.0;      ///< time of trusted magnetic heading so far
+    double unmagnetic_s = 1e9;    ///< time since the last trusted one
+    double heading_stress = 0.0;  ///< mean square of the normalised heading innovation
+    bool heading_given = false;
+    bool clock_started = false;
+    bool has_attitude = false;
+    bool magnetometer_seen = false;
+    bool at_rest = false;
+    AttitudeStatus status = AttitudeStatus::kWaiting;
+  };
+
+  void start_from(const Vec3& acc_mps2) noexcept;
+  void turn(const CalibratedSample& sample, bool usable, double dt_s) noexcept;
+  void accelerate(const CalibratedSample& sample, bool usable, double dt_s) noexcept;
+  void gather_field(const CalibratedSample& sample) noexcept;
+  void covariance_step() noexcept;
+  void measure_motion(double time_s) noexcept;
+  void measure_rest(double time_s) noexcept;
+  void measure_heading(double time_s) noexcept;
+  void inject() noexcept;
+  [[nodiscard]] AttitudeEstimate estimate(std::int64_t t_ns) const noexcept;
+
+  AttitudeFilterParams params_;
+  State s_;
+  static_assert(std::is_trivially_copyable_v<State>);
+};
+
+}  // namespace stillpoint::fusion

@@ -1,0 +1,80 @@
+#include "fusion/error_state.h"
+
+#include <cmath>
+
+#include "core/so3.h"
+
+namespace stillpoint::fusion {
+
+void ErrorState::start(const ErrorVector& sd) noexcept {
+  P() = ErrorMatrix(sd.cwiseAbs2().asDiagonal());
+  mean_.fill(0.0);
+}
+
+void ErrorState::propagate(const MotionSums& sums, const ProcessNoise& noise) noexcept {
+  Eigen::Map<ErrorMatrix> cov = P();
+  const double T = sums.time_s;
+  const Mat3 R = mat(sums.R);
+  const Mat3 force = skew(vec(sums.force));
+  Eigen::Matrix<double, 3, 9> R_rate;
+  for (int j = 0; j < 3; ++j) R_rate.middleCols<3>(3 * j) = mat(sums.R_rate[static_cast<std::size_t>(j)]);
+  const double keep = std::exp(-T / noise.disturbance_time_s);
+
+  // F acts on few rows, so F P is formed in place: position first (it uses the old velocity), then velocity, rotation.
+  const auto rows = [&](auto&& M) {
+    M.template middleRows<3>(kPosition) +=
+        T * M.template middleRows<3>(kVelocity) -
+        0.5 * T * (force * M.template middleRows<3>(kTheta) + R * M.template middleRows<3>(kAccBias));
+    M.template middleRows<3>(kVelocity) -=
+        force * M.template middleRows<3>(kTheta) + R * M.template middleRows<3>(kAccBias);
+    M.template middleRows<3>(kTheta) -=
+        R * M.template middleRows<3>(kGyrBias) + R_rate * M.template middleRows<9>(kGyrMatrix);
+    M.row(kDisturbance) *= keep;
+  };
+  rows(cov);
+  cov.transposeInPlace();
+  rows(cov);
+
+  cov.block<3, 3>(kTheta, kTheta) += mat(noise.theta_rad2);
+  const double gyr_walk = noise.gyr_bias_walk * noise.gyr_bias_walk * T;
+  const double acc_walk = noise.acc_bias_walk * noise.acc_bias_walk * T;
+  for (int i = 0; i < 3; ++i) {
+    cov(kVelocity + i, kVelocity + i) += noise.velocity_m2ps2;
+    cov(kGyrBias + i, kGyrBias + i) += gyr_walk;
+    cov(kAccBias + i, kAccBias + i) += acc_walk;
+  }
+  cov(kDisturbance, kDisturbance) += (1.0 - keep * keep) * noise.disturbance_rad * noise.disturbance_rad;
+  cov = ErrorMatrix(0.5 * (cov + cov.transpose()));
+}
+
+double ErrorState::correct(const ErrorVector& Ph, double innovation, double s) noexcept {
+  if (!(s > 0.0) || !std::isfinite(innovation) || !std::isfinite(s)) return 0.0;
+  const ErrorVector scaled = Ph / s;
+  P().noalias() -= scaled * Ph.transpose();
+  Eigen::Map<ErrorVector>(mean_.data()) += scaled * innovation;
+  return innovation * innovation / s;
+}
+
+double ErrorState::update(const ErrorVector& h, double z, double variance) noexcept {
+  const ErrorVector Ph = P() * h;
+  return correct(Ph, z - h.dot(mean()), h.dot(Ph) + variance);
+}
+
+double ErrorState::update(int index, double z, double variance) noexcept {
+  const ErrorVector Ph = P().col(index);
+  return correct(Ph, z - mean()(index), Ph(index) + variance);
+}
+
+void ErrorState::forget(int index, double variance) noexcept {
+  P().row(index).setZero();
+  P().col(index).setZero();
+  P()(index, index) = variance;
+}
+
+ErrorVector ErrorState::take_mean() noexcept {
+  const ErrorVector taken = mean();
+  mean_.fill(0.0);
+  return taken;
+}
+
+}  // namespace stillpoint::fusion

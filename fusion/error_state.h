@@ -1,0 +1,81 @@
+/// The covariance of the filter's error state: propagation over many samples at once and scalar updates.
+/// (A4)-(A7) of docs/math/attitude.md.
+#pragma once
+#include <array>
+#include <type_traits>
+
+#include "core/types.h"
+
+namespace stillpoint::fusion {
+
+/// Where each error stands in the error state. Rotation, velocity, position: world axes; the others: body axes.
+/// The rotation error is global: R_true = exp(theta) R_estimated.
+enum ErrorIndex : int {
+  kTheta = 0,         ///< rad
+  kVelocity = 3,      ///< m/s
+  kPosition = 6,      ///< m
+  kGyrBias = 9,       ///< rad/s
+  kAccBias = 12,      ///< m/s^2
+  kGyrMatrix = 15,    ///< 9 elements, column by column: the rate is (I - M) u - b
+  kDisturbance = 24,  ///< rad, deviation of the magnetic heading by the place
+  kErrorStates = 25,
+};
+
+using ErrorVector = Eigen::Matrix<double, kErrorStates, 1>;
+using ErrorMatrix = Eigen::Matrix<double, kErrorStates, kErrorStates>;
+
+/// What the samples between two covariance steps leave behind. Plain sums, so the cost per sample is small.
+struct MotionSums {
+  double time_s = 0.0;
+  Array9 R{};                      ///< sum of R_world_body dt
+  std::array<Array9, 3> R_rate{};  ///< sum of R_world_body u_j dt, u the corrected rate, for each j
+  Array3 force{};                  ///< sum of the world specific force dt, m/s
+};
+
+/// Power densities of the noises that drive the errors; zero for a part that does not walk.
+struct ProcessNoise {
+  Array9 theta_rad2{};              ///< already integrated over the step
+  double velocity_m2ps2 = 0.0;      ///< already integrated over the step
+  double gyr_bias_walk = 0.0;       ///< rad/s/sqrt(s)
+  double acc_bias_walk = 0.0;       ///< m/s^2/sqrt(s)
+  double disturbance_rad = 0.0;     ///< stationary standard deviation
+  double disturbance_time_s = 1.0;  ///< correlation time
+};
+
+class ErrorState {
+ public:
+  [[nodiscard]] Eigen::Map<const ErrorMatrix> P() const noexcept { return Eigen::Map<const ErrorMatrix>(p_.data()); }
+  [[nodiscard]] Eigen::Map<ErrorMatrix> P() noexcept { return Eigen::Map<ErrorMatrix>(p_.data()); }
+  [[nodiscard]] Eigen::Map<const ErrorVector> mean() const noexcept {
+    return Eigen::Map<const ErrorVector>(mean_.data());
+  }
+
+  /// Independent errors with these standard deviations.
+  void start(const ErrorVector& sd) noexcept;
+
+  /// (A5) P <- F P F' + Q over the interval of the sums.
+  void propagate(const MotionSums& sums, const ProcessNoise& noise) noexcept;
+
+  /// (A7) One scalar measurement z = h' x + noise. The mean gathers the correction until take_mean(). Returns the
+  /// squared normalised innovation. A row that is not finite changes nothing.
+  double update(const ErrorVector& h, double z, double variance) noexcept;
+  /// The same for z = x(index) + noise.
+  double update(int index, double z, double variance) noexcept;
+
+  /// Adds variance to one error; what was known of its correlations stays.
+  void add_variance(int index, double variance) noexcept { P()(index, index) += variance; }
+  /// Forgets one error: its variance is set and its correlations are dropped.
+  void forget(int index, double variance) noexcept;
+
+  /// The correction gathered since the last call; the mean is zero afterwards.
+  [[nodiscard]] ErrorVector take_mean() noexcept;
+
+ private:
+  double correct(const ErrorVector& Ph, double innovation, double s) noexcept;
+  std::array<double, kErrorStates * kErrorStates> p_{};
+  std::array<double, kErrorStates> mean_{};
+};
+
+static_assert(std::is_trivially_copyable_v<ErrorState>);
+
+}  // namespace stillpoint::fusion
