@@ -20,5 +20,6 @@ inline int report(const Error& error) {
 
 void add_check(CLI::App& app, Run& run);
 void add_noise(CLI::App& app, Run& run);
+void add_simulate(CLI::App& app, Run& run);
 
 }  // namespace stillpoint::app

@@ -8,6 +8,7 @@ int main(int argc, char** argv) {
   app::Run run;
   app::add_check(cli, run);
   app::add_noise(cli, run);
+  app::add_simulate(cli, run);
   try {
     cli.parse(argc, argv);
   } catch (const CLI::ParseError& e) {

@@ -1,0 +1,78 @@
+/// The simulated sensor: motion and surroundings in, readings out, one row at a time and without allocation, so that
+/// the daemon can use it as its source. In physical order: force, rate and field at the place; the element and its
+/// laws; filters; noise; y = H^-1 u + B; clipping and quantisation; clock and transport.
+#pragma once
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "simulation/config.h"
+#include "simulation/environment.h"
+#include "simulation/motion.h"
+#include "simulation/triad.h"
+
+namespace stillpoint::sim {
+
+/// One row of the recording that the simulated sensor gives, and the truth of that time.
+struct SimulatedSample {
+  RawSample sample;
+  double current_A = 0.0, supply_V = 0.0;
+  bool has_reference = false;
+  Quat ref_q_world_body = Quat::Identity();  ///< with the reference's errors
+  Vec3 ref_position_m = Vec3::Zero();
+  bool moving = false;
+  Quat true_q_world_body = Quat::Identity();
+  Vec3 true_position_m = Vec3::Zero();
+  Vec3 true_rate_radps = Vec3::Zero();
+  Array3 true_acc_mps2{}, true_gyr_radps{}, true_mag_uT{};  ///< f, omega, m at the body's reference point, no effect
+};
+
+class Simulator {
+ public:
+  /// Pre: the effects' IDs and counts are those of the catalogue (io::read_simulation sees to it).
+  Simulator(const SimulationConfig& config, std::shared_ptr<const Motion> motion, std::uint64_t seed,
+            RecordedEnvironment recorded = {});
+
+  /// The next row; false after the motion's end. Rows lost in transport are skipped, their sequence numbers with them.
+  bool next(SimulatedSample& out) noexcept;
+
+  /// u = H (y - B) of a reading; for measuring what an effect changes.
+  [[nodiscard]] Vec3 corrected(Sensor sensor, const Array3& y) const noexcept;
+  [[nodiscard]] bool has(Sensor sensor) const noexcept { return triads_[static_cast<std::size_t>(sensor)].has_value(); }
+
+ private:
+  void fill_instant(double t_s, Instant& now) const noexcept;
+  void read_triad(Sensor sensor, double row_t_s, double imu_t_s, RawSample& out) noexcept;
+  [[nodiscard]] double imu_time_s(double row_t_s) noexcept;
+  void write_reference(double row_t_s, SimulatedSample& out) noexcept;
+  void track_bias(double row_t_s, RawSample& out) noexcept;
+  void transport(double row_t_s, RawSample& out) noexcept;
+  [[nodiscard]] bool due(Sensor sensor) const noexcept;
+
+  SimulationConfig config_;
+  std::shared_ptr<const Motion> motion_;
+  Environment environment_;
+  std::array<std::optional<Triad>, 3> triads_;
+  std::array<double, 3> last_t_s_{};
+  std::vector<ActiveEffect> offset_, skew_, gap_, dup_, jitter_, tracker_, frame_;
+  Mat3 R_sensor_body_ = Mat3::Identity();
+  Stream jitter_random_, dup_random_, lost_random_, aux_random_;
+  std::optional<BandNoise> orientation_error_, position_error_;
+  Instant now_;
+  double now_t_s_;
+  std::uint64_t row_ = 0, rows_ = 0;
+  RawSample last_sent_;
+  // sys_tracker: short means of rate and force tell rest, the bias follows the rate at rest
+  Vec3 tracked_bias_ = Vec3::Zero(), rate_mean_ = Vec3::Zero();
+  double rate_spread_ = 1.0;
+};
+
+/// All rows at once.
+[[nodiscard]] std::vector<SimulatedSample> simulate(const SimulationConfig& config,
+                                                    std::shared_ptr<const Motion> motion, std::uint64_t seed,
+                                                    RecordedEnvironment recorded = {});
+/// The same with the motion of the configuration. Pre: config.motion.
+[[nodiscard]] std::vector<SimulatedSample> simulate(const SimulationConfig& config, std::uint64_t seed);
+
+}  // namespace stillpoint::sim
