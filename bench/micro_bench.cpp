@@ -13,6 +13,7 @@
 #include "calib_online/rest_detector.h"
 #include "core/snapshot_cell.h"
 #include "core/spsc_ring.h"
+#include "fusion/attitude_filter.h"
 #include "io/recording.h"
 
 namespace stillpoint {
@@ -158,6 +159,30 @@ void BM_RestDetector(benchmark::State& state) {
   });
 }
 BENCHMARK(BM_RestDetector);
+
+CalibratedSample calibrated(const RawSample& raw) {
+  CalibratedSample s;
+  s.t_ns = raw.t_ns;
+  s.sequence = raw.sequence;
+  s.acc_mps2 = raw.acc_mps2;
+  s.gyr_radps = raw.gyr_radps;
+  s.mag_uT = raw.mag_uT;
+  s.temp_degC = raw.temp_degC;
+  s.has = raw.has;
+  return s;
+}
+
+void BM_AttitudeFilter(benchmark::State& state) {
+  const auto input = samples();
+  fusion::AttitudeFilter filter;
+  measure(state, [&](std::size_t i) {
+    CalibratedSample s = calibrated(input[i % kSamples]);
+    s.t_ns = static_cast<std::int64_t>(i) * 5'000'000;
+    auto estimate = filter.step(s, false);
+    benchmark::DoNotOptimize(estimate);
+  });
+}
+BENCHMARK(BM_AttitudeFilter);
 
 void BM_AbsorbWindow(benchmark::State& state) {
   const CalibrationSnapshot factory;
