@@ -20,10 +20,9 @@ std::optional<Eigen::Vector4d> sphere(const Moments& m) {
       m.at(1, 0, 0), m.at(2, 0, 0), m.at(1, 1, 0), m.at(1, 0, 1),   //
       m.at(0, 1, 0), m.at(1, 1, 0), m.at(0, 2, 0), m.at(0, 1, 1),   //
       m.at(0, 0, 1), m.at(1, 0, 1), m.at(0, 1, 1), m.at(0, 0, 2);
-  const Eigen::Vector4d rhs(-(m.at(2, 0, 0) + m.at(0, 2, 0) + m.at(0, 0, 2)),
-                            -(m.at(3, 0, 0) + m.at(1, 2, 0) + m.at(1, 0, 2)),
-                            -(m.at(2, 1, 0) + m.at(0, 3, 0) + m.at(0, 1, 2)),
-                            -(m.at(2, 0, 1) + m.at(0, 2, 1) + m.at(0, 0, 3)));
+  const Eigen::Vector4d rhs(
+      -(m.at(2, 0, 0) + m.at(0, 2, 0) + m.at(0, 0, 2)), -(m.at(3, 0, 0) + m.at(1, 2, 0) + m.at(1, 0, 2)),
+      -(m.at(2, 1, 0) + m.at(0, 3, 0) + m.at(0, 1, 2)), -(m.at(2, 0, 1) + m.at(0, 2, 1) + m.at(0, 0, 3)));
   const Eigen::SelfAdjointEigenSolver<Mat4> eigen(N);
   if (!(eigen.eigenvalues()[0] > kSingular * eigen.eigenvalues()[3])) return std::nullopt;
   const Eigen::Vector4d abcd = N.ldlt().solve(rhs);
@@ -59,12 +58,18 @@ GeneralFit from_null_vector(const Vec10& v) {
 
 std::string_view name(FitStatus status) noexcept {
   switch (status) {
-    case FitStatus::kOk: return "ok";
-    case FitStatus::kTooFewPoints: return "too_few_points";
-    case FitStatus::kNotObservable: return "not_observable";
-    case FitStatus::kNotPositiveDefinite: return "not_positive_definite";
-    case FitStatus::kNotConverged: return "not_converged";
-    case FitStatus::kBadInput: return "bad_input";
+    case FitStatus::kOk:
+      return "ok";
+    case FitStatus::kTooFewPoints:
+      return "too_few_points";
+    case FitStatus::kNotObservable:
+      return "not_observable";
+    case FitStatus::kNotPositiveDefinite:
+      return "not_positive_definite";
+    case FitStatus::kNotConverged:
+      return "not_converged";
+    case FitStatus::kBadInput:
+      return "bad_input";
   }
   return "?";
 }
@@ -111,7 +116,8 @@ GeneralFit adjusted_fit(const Moments& m, double noise_variance) noexcept {
     }
     s = low;
   }
-  GeneralFit fit = from_null_vector(s == 0.0 ? Vec10(plain.eigenvectors().col(0)) : Vec10(eigen_at(s).eigenvectors().col(0)));
+  GeneralFit fit =
+      from_null_vector(s == 0.0 ? Vec10(plain.eigenvectors().col(0)) : Vec10(eigen_at(s).eigenvectors().col(0)));
   fit.noise_variance = s;
   return fit;
 }

@@ -1,7 +1,7 @@
-/// Ellipsoid fits from the moment sums: LinAutoCalibration as printed and repeated, the general algebraic fit, the noise-adjusted
-/// fit and the MAP fit (docs/math/ellipsoid.md). Fixed size, no allocation. All work in the coordinates of the sums.
-/// After Gietzelt et al. eqs. (5)-(17) [LinAuto]; Merayo et al. 2000 as coded by Barraud [general, |p| = 1];
-/// Kukush, Markovsky, Van Huffel 2004 [adjusted]; the MAP form is ours.
+/// Ellipsoid fits from the moment sums: LinAutoCalibration as printed and repeated, the general algebraic fit, the
+/// noise-adjusted fit and the MAP fit (docs/math/ellipsoid.md). Fixed size, no allocation. All work in the coordinates
+/// of the sums. After Gietzelt et al. eqs. (5)-(17) [LinAuto]; Merayo et al. 2000 as coded by Barraud [general, |p| =
+/// 1]; Kukush, Markovsky, Van Huffel 2004 [adjusted]; the MAP form is ours.
 #pragma once
 #include <cstdint>
 #include <string_view>
@@ -11,7 +11,14 @@
 
 namespace stillpoint::calib {
 
-enum class FitStatus : std::uint8_t { kOk, kTooFewPoints, kNotObservable, kNotPositiveDefinite, kNotConverged, kBadInput };
+enum class FitStatus : std::uint8_t {
+  kOk,
+  kTooFewPoints,
+  kNotObservable,
+  kNotPositiveDefinite,
+  kNotConverged,
+  kBadInput
+};
 [[nodiscard]] std::string_view name(FitStatus status) noexcept;
 
 /// Axis-parallel ellipsoid, Gietzelt eq. (1).

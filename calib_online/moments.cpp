@@ -17,7 +17,8 @@ constexpr std::array<Exponents, 35> all_exponents() {
 }
 constexpr auto kExponents = all_exponents();
 /// Of d = (x^2, y^2, z^2, xy, xz, yz, x, y, z, 1).
-constexpr std::array<Exponents, 10> kTerms{{{2, 0, 0}, {0, 2, 0}, {0, 0, 2}, {1, 1, 0}, {1, 0, 1}, {0, 1, 1}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {0, 0, 0}}};
+constexpr std::array<Exponents, 10> kTerms{
+    {{2, 0, 0}, {0, 2, 0}, {0, 0, 2}, {1, 1, 0}, {1, 0, 1}, {0, 1, 1}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {0, 0, 0}}};
 
 constexpr auto normal_indices() {
   std::array<std::array<std::size_t, 10>, 10> index{};
@@ -29,7 +30,8 @@ constexpr auto normal_indices() {
 }
 constexpr auto kNormalIndex = normal_indices();
 
-constexpr std::array<std::array<int, 5>, 5> kBinomial{{{1, 0, 0, 0, 0}, {1, 1, 0, 0, 0}, {1, 2, 1, 0, 0}, {1, 3, 3, 1, 0}, {1, 4, 6, 4, 1}}};
+constexpr std::array<std::array<int, 5>, 5> kBinomial{
+    {{1, 0, 0, 0, 0}, {1, 1, 0, 0, 0}, {1, 2, 1, 0, 0}, {1, 3, 3, 1, 0}, {1, 4, 6, 4, 1}}};
 
 template <class T>
 std::array<std::array<T, 5>, 3> powers(const Eigen::Matrix<T, 3, 1>& x) {
@@ -70,12 +72,14 @@ void BasicMoments<T>::add(const Eigen::Matrix<T, 3, 1>& x, T weight) noexcept {
   const auto p = powers(x);
   for (std::size_t k = 0; k < 35; ++k) {
     const Exponents& e = kExponents[k];
-    m_[k] += weight * p[0][static_cast<std::size_t>(e.a)] * p[1][static_cast<std::size_t>(e.b)] * p[2][static_cast<std::size_t>(e.c)];
+    m_[k] += weight * p[0][static_cast<std::size_t>(e.a)] * p[1][static_cast<std::size_t>(e.b)] *
+             p[2][static_cast<std::size_t>(e.c)];
   }
 }
 
 template <class T>
-void BasicMoments<T>::add_adjusted(const Eigen::Matrix<T, 3, 1>& x, const Eigen::Matrix<T, 3, 3>& C, T weight) noexcept {
+void BasicMoments<T>::add_adjusted(const Eigen::Matrix<T, 3, 1>& x, const Eigen::Matrix<T, 3, 3>& C,
+                                   T weight) noexcept {
   BasicMoments one;
   one.add(x, weight);
   merge(one.adjusted(C));
@@ -122,7 +126,8 @@ BasicMoments<T> BasicMoments<T>::scaled(const Eigen::Matrix<T, 3, 1>& s) const n
   BasicMoments out;
   for (std::size_t k = 0; k < 35; ++k) {
     const Exponents& e = kExponents[k];
-    out.m_[k] = m_[k] * p[0][static_cast<std::size_t>(e.a)] * p[1][static_cast<std::size_t>(e.b)] * p[2][static_cast<std::size_t>(e.c)];
+    out.m_[k] = m_[k] * p[0][static_cast<std::size_t>(e.a)] * p[1][static_cast<std::size_t>(e.b)] *
+                p[2][static_cast<std::size_t>(e.c)];
   }
   return out;
 }

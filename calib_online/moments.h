@@ -1,5 +1,5 @@
-/// The 35 sums m_abc = sum w x^a y^b z^c, a + b + c <= 4: all that LinAutoCalibration (both steps, repeated), every algebraic
-/// ellipsoid fit, the noise-adjusted fit and the MAP fit need of the readings (docs/math/moments.md, M1-M6).
+/// The 35 sums m_abc = sum w x^a y^b z^c, a + b + c <= 4: all that LinAutoCalibration (both steps, repeated), every
+/// algebraic ellipsoid fit, the noise-adjusted fit and the MAP fit need of the readings (docs/math/moments.md, M1-M6).
 /// After Gietzelt et al., eqs. (11), (17); the vector as a design is ours.
 /// Readings enter centred and scaled by the prior, x = (y - c0)/r0: raw counts lose eleven digits (M5).
 #pragma once

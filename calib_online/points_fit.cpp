@@ -42,17 +42,22 @@ PointsFit failed(FitStatus status, std::string reason) {
 /// Empty when the points can be worked with; else the reason.
 std::optional<PointsFit> refuse(std::span<const Point> points) {
   for (std::size_t i = 0; i < points.size(); ++i) {
-    if (!points[i].y.allFinite()) return failed(FitStatus::kBadInput, "point " + std::to_string(i + 1) + " is not finite");
+    if (!points[i].y.allFinite())
+      return failed(FitStatus::kBadInput, "point " + std::to_string(i + 1) + " is not finite");
     if (points[i].variance && !(*points[i].variance >= 0.0 && std::isfinite(*points[i].variance)))
-      return failed(FitStatus::kBadInput, "the variance of point " + std::to_string(i + 1) + " is negative or not finite");
+      return failed(FitStatus::kBadInput,
+                    "the variance of point " + std::to_string(i + 1) + " is negative or not finite");
   }
   std::vector<Vec3> distinct;
   for (const Point& p : points) distinct.push_back(p.y);
-  const auto order = [](const Vec3& a, const Vec3& b) { return std::lexicographical_compare(a.data(), a.data() + 3, b.data(), b.data() + 3); };
+  const auto order = [](const Vec3& a, const Vec3& b) {
+    return std::lexicographical_compare(a.data(), a.data() + 3, b.data(), b.data() + 3);
+  };
   std::sort(distinct.begin(), distinct.end(), order);
   distinct.erase(std::unique(distinct.begin(), distinct.end()), distinct.end());
   if (distinct.size() < 4)
-    return failed(FitStatus::kTooFewPoints, std::to_string(points.size()) + " points, " + std::to_string(distinct.size()) +
+    return failed(FitStatus::kTooFewPoints, std::to_string(points.size()) + " points, " +
+                                                std::to_string(distinct.size()) +
                                                 " of them distinct; at least 4 are needed");
   Vec3 mean = Vec3::Zero();
   for (const Vec3& y : distinct) mean += y / static_cast<double>(distinct.size());
@@ -100,9 +105,10 @@ void set_general(PointsFit& fit, const Working& w, const Ellipsoid& e) {
 PointsFit from_axis_fit(const Working& w, const Moments& m, int passes) {
   const AxisFit a = lin_auto(m, passes);
   if (a.status != FitStatus::kOk) {
-    return failed(a.status, a.unobserved_axis >= 0
-                                ? std::string("the points do not determine the radius of axis ") + "xyz"[a.unobserved_axis]
-                                : "the points lie on a plane or on two spheres at once: the normal matrix is singular");
+    return failed(a.status,
+                  a.unobserved_axis >= 0
+                      ? std::string("the points do not determine the radius of axis ") + "xyz"[a.unobserved_axis]
+                      : "the points lie on a plane or on two spheres at once: the normal matrix is singular");
   }
   PointsFit fit;
   set_axis(fit, w, {a.centre, a.radii});
@@ -112,8 +118,9 @@ PointsFit from_axis_fit(const Working& w, const Moments& m, int passes) {
 
 PointsFit from_iterated(const Working& w, const IteratedFit& i) {
   if (i.status != FitStatus::kOk) {
-    PointsFit fit = failed(i.status, i.status == FitStatus::kNotConverged ? "no minimum within the allowed iterations"
-                                                                          : "the radii run to infinity: the directions do not surround the centre");
+    PointsFit fit = failed(i.status, i.status == FitStatus::kNotConverged
+                                         ? "no minimum within the allowed iterations"
+                                         : "the radii run to infinity: the directions do not surround the centre");
     fit.iterations = i.iterations;
     return fit;
   }
@@ -175,16 +182,26 @@ PointsFit dispatch(Method method, const Working& w, std::span<const Point> point
   const AxisParameters start;  // the working coordinates are the initial values
   const int limit = options.max_iterations;
   switch (method) {
-    case Method::kLinAuto: return from_axis_fit(w, m, 1);
-    case Method::kLinAutoRepeated: return from_axis_fit(w, m, kRepeatedPasses);
-    case Method::kLinMinVar: return from_iterated(w, lin_min_var(w.x, start, 1.0, 0.02, limit));
-    case Method::kNonLinear: return from_iterated(w, non_linear(w.x, start, limit));
-    case Method::kLsqNonLinear: return from_iterated(w, lsq_non_linear(w.x, campolo_initial(w.x), limit));
-    case Method::kMgn: return from_general(w, general_fit(m));
-    case Method::kAdjusted: return from_general(w, adjusted_fit(m, mean_variance(points, w.r0).value_or(-1.0)));
-    case Method::kMap: return map(w, m, mean_variance(points, w.r0), options);
-    case Method::kManual: return from_iterated(w, manual_six_position(w.x));
-    case Method::kMinVolEllipsoid: break;
+    case Method::kLinAuto:
+      return from_axis_fit(w, m, 1);
+    case Method::kLinAutoRepeated:
+      return from_axis_fit(w, m, kRepeatedPasses);
+    case Method::kLinMinVar:
+      return from_iterated(w, lin_min_var(w.x, start, 1.0, 0.02, limit));
+    case Method::kNonLinear:
+      return from_iterated(w, non_linear(w.x, start, limit));
+    case Method::kLsqNonLinear:
+      return from_iterated(w, lsq_non_linear(w.x, campolo_initial(w.x), limit));
+    case Method::kMgn:
+      return from_general(w, general_fit(m));
+    case Method::kAdjusted:
+      return from_general(w, adjusted_fit(m, mean_variance(points, w.r0).value_or(-1.0)));
+    case Method::kMap:
+      return map(w, m, mean_variance(points, w.r0), options);
+    case Method::kManual:
+      return from_iterated(w, manual_six_position(w.x));
+    case Method::kMinVolEllipsoid:
+      break;
   }
   const EnclosingFit e = min_vol_ellipsoid(w.x, options.min_vol_tolerance, 20 * limit);
   if (e.status != FitStatus::kOk) return failed(e.status, "Khachiyan's iteration did not reach its tolerance");

@@ -41,7 +41,8 @@ Residual norm_residual(const Vec3& x, const Vec6& v) {
 }
 
 template <class F>
-IteratedFit levenberg_marquardt(std::span<const Vec3> x, const AxisParameters& initial, int max_iterations, F residual) {
+IteratedFit levenberg_marquardt(std::span<const Vec3> x, const AxisParameters& initial, int max_iterations,
+                                F residual) {
   const auto cost_at = [&](const Vec6& v) {
     double sum = 0.0;
     for (const Vec3& p : x) sum += std::pow(residual(p, v).value, 2);
@@ -187,7 +188,7 @@ IteratedFit manual_six_position(std::span<const Vec3> x) {
   for (int k = 0; k < 3; ++k) {
     const auto by_axis = [k](const Vec3& a, const Vec3& b) { return a[k] < b[k]; };
     const auto [low, high] = std::minmax_element(x.begin(), x.end(), by_axis);
-    const double margin = 0.05 * ((*high)[k] - (*low)[k]);
+    const double margin = 0.01 * ((*high)[k] - (*low)[k]);
     double low_sum = 0, high_sum = 0;
     int low_n = 0, high_n = 0;
     for (const Vec3& p : x) {
@@ -197,7 +198,8 @@ IteratedFit manual_six_position(std::span<const Vec3> x) {
     fit.axis.centre[k] = 0.5 * (high_sum / high_n + low_sum / low_n);
     fit.axis.radii[k] = 0.5 * (high_sum / high_n - low_sum / low_n);
   }
-  fit.status = fit.axis.radii.minCoeff() > 1e-6 * fit.axis.radii.maxCoeff() ? FitStatus::kOk : FitStatus::kNotObservable;
+  fit.status =
+      fit.axis.radii.minCoeff() > 1e-6 * fit.axis.radii.maxCoeff() ? FitStatus::kOk : FitStatus::kNotObservable;
   return fit;
 }
 

@@ -18,8 +18,8 @@ struct IteratedFit {
   int iterations = 0;
 };
 
-/// Lotters: linear minimum variance estimate, the equation (G 1) linearised about the last result, one reading at a time,
-/// from the initial values with the prior sd `prior_sd`; repeated until it stands still.
+/// Lotters: linear minimum variance estimate, the equation (G 1) linearised about the last result, one reading at a
+/// time, from the initial values with the prior sd `prior_sd`; repeated until it stands still.
 [[nodiscard]] IteratedFit lin_min_var(std::span<const Vec3> x, const AxisParameters& initial, double prior_sd,
                                       double equation_sd, int max_iterations);
 /// Lukowicz: Levenberg-Marquardt on the equation (G 1) itself.
@@ -41,7 +41,7 @@ struct EnclosingFit {
                                              bool away_steps = true);
 
 /// By hand: each axis turned up and down; centre and radius from the extreme readings of each axis (their means where
-/// several lie within a tenth of a radius).
+/// several lie within a fiftieth of a radius).
 [[nodiscard]] IteratedFit manual_six_position(std::span<const Vec3> x);
 
 }  // namespace stillpoint::calib

@@ -18,6 +18,7 @@ inline int report(const Error& error) {
   return static_cast<int>(error.kind);
 }
 
+void add_calibrate(CLI::App& app, Run& run);
 void add_check(CLI::App& app, Run& run);
 void add_noise(CLI::App& app, Run& run);
 void add_simulate(CLI::App& app, Run& run);

@@ -6,6 +6,7 @@ int main(int argc, char** argv) {
   CLI::App cli{"Self-calibrating attitude, and the physics a simulation left out."};
   cli.require_subcommand(1);
   app::Run run;
+  app::add_calibrate(cli, run);
   app::add_check(cli, run);
   app::add_noise(cli, run);
   app::add_simulate(cli, run);

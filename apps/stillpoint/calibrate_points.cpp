@@ -1,0 +1,183 @@
+/// `stillpoint calibrate --points`: reads the table, runs one method, prints its result or why there is none.
+#include <fmt/format.h>
+
+#include <charconv>
+#include <cmath>
+#include <cstdlib>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+#include "apps/stillpoint/calibrate.h"
+#include "apps/stillpoint/commands.h"
+
+namespace stillpoint::app {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+struct PointsTable {
+  std::vector<calib::Point> points;
+  std::vector<std::string> faults;  ///< "file:line:column: ..."
+};
+
+std::vector<std::string> split(std::string line) {
+  if (!line.empty() && line.back() == '\r') line.pop_back();
+  std::vector<std::string> out;
+  std::stringstream in(line);
+  for (std::string cell; std::getline(in, cell, ',');) {
+    const auto first = cell.find_first_not_of(" \t\""), last = cell.find_last_not_of(" \t\"");
+    out.push_back(first == std::string::npos ? "" : cell.substr(first, last - first + 1));
+  }
+  if (!line.empty() && line.back() == ',') out.emplace_back();
+  return out;
+}
+
+std::optional<double> number(const std::string& text) {
+  if (text.empty()) return std::nullopt;
+  const char* begin = text.c_str();
+  char* end = nullptr;
+  const double value = std::strtod(begin, &end);
+  if (end != begin + text.size()) return std::nullopt;
+  return value;
+}
+
+/// One line of numbers into a point; faults name the column.
+void read_line(const std::vector<std::string>& cells, const std::vector<std::string>& header, const std::string& where,
+               PointsTable& table) {
+  calib::Point point;
+  if (cells.size() != header.size()) {
+    table.faults.push_back(fmt::format("{}:1: {} fields, the header has {}", where, cells.size(), header.size()));
+    return;
+  }
+  bool good = true;
+  for (std::size_t k = 0; k < header.size(); ++k) {
+    const bool axis = header[k] == "x" || header[k] == "y" || header[k] == "z";
+    const bool known = axis || header[k] == "var";
+    if (!known || (!axis && cells[k].empty())) continue;
+    const auto value = number(cells[k]);
+    if (!value || !std::isfinite(*value)) {
+      table.faults.push_back(fmt::format("{}:{}: {} is '{}', not a finite number", where, k + 1, header[k], cells[k]));
+      good = false;
+      continue;
+    }
+    if (header[k] == "var")
+      point.variance = *value;
+    else
+      point.y[header[k][0] - 'x'] = *value;
+  }
+  if (good) table.points.push_back(point);
+}
+
+Result<PointsTable> read_points(const std::string& path) {
+  std::ifstream in(path);
+  if (!in) return fail(ErrorKind::kNoInput, path + ": cannot open; is the name right?");
+  PointsTable table;
+  std::vector<std::string> header;
+  std::size_t number_of_line = 0;
+  for (std::string line; std::getline(in, line);) {
+    ++number_of_line;
+    if (line.rfind("\xEF\xBB\xBF", 0) == 0) line.erase(0, 3);
+    if (line.find_first_not_of(" \t\r") == std::string::npos || line[0] == '#') continue;
+    const auto cells = split(line);
+    if (header.empty()) {
+      header = cells;
+      for (const char* axis : {"x", "y", "z"})
+        if (std::count(header.begin(), header.end(), axis) != 1)
+          return fail(ErrorKind::kBadData, fmt::format("{}:{}:1: the header needs one column '{}'; it is '{}'", path,
+                                                       number_of_line, axis, line));
+      continue;
+    }
+    read_line(cells, header, fmt::format("{}:{}", path, number_of_line), table);
+  }
+  if (header.empty()) return fail(ErrorKind::kBadData, path + ":1:1: the file is empty; a header x,y,z is needed");
+  return table;
+}
+
+Json rows(const Mat3& m) {
+  Json out = Json::array();
+  for (int r = 0; r < 3; ++r) out.push_back({m(r, 0), m(r, 1), m(r, 2)});
+  return out;
+}
+Json numbers(const Vec3& v) { return {v.x(), v.y(), v.z()}; }
+
+Json to_json(const std::string& method, const calib::PointsFit& fit, std::size_t count) {
+  const bool ok = fit.status == calib::FitStatus::kOk;
+  Json j;
+  j["method"] = method;
+  j["status"] = calib::name(fit.status);
+  j["points"] = count;
+  j["offset"] = ok ? numbers(fit.offset) : Json();
+  j["radii"] = ok && fit.radii ? numbers(*fit.radii) : Json();
+  j["matrix"] = ok ? rows(fit.matrix) : Json();
+  j["covariance"] = nullptr;
+  if (ok && fit.covariance.size() > 0) {
+    j["covariance"] = Json::array();
+    for (Eigen::Index r = 0; r < fit.covariance.rows(); ++r) {
+      Json row = Json::array();
+      for (Eigen::Index c = 0; c < fit.covariance.cols(); ++c) row.push_back(fit.covariance(r, c));
+      j["covariance"].push_back(row);
+    }
+    j["covariance_of"] = fit.radii ? Json{"offset_x", "offset_y", "offset_z", "radius_x", "radius_y", "radius_z"}
+                                   : Json{"offset_x", "offset_y", "offset_z", "m00", "m01", "m02", "m11", "m12", "m22"};
+  }
+  j["residual_rms"] = ok ? Json(fit.residual_rms) : Json();
+  j["iterations"] = fit.iterations;
+  j["reason"] = fit.reason;
+  j["conditions_violated"] = fit.conditions;
+  return j;
+}
+
+void print(const std::string& method, const calib::PointsFit& fit) {
+  fmt::print("{}: {}\n", method, calib::name(fit.status));
+  if (fit.status != calib::FitStatus::kOk) return;
+  const auto sd = [&fit](int k) {
+    return fit.covariance.size() > 0 ? fmt::format(" +- {:.3g}", std::sqrt(fit.covariance(k, k))) : std::string();
+  };
+  for (int k = 0; k < 3; ++k) fmt::print("  offset {}  {:.6g}{}\n", "xyz"[k], fit.offset[k], sd(k));
+  if (fit.radii)
+    for (int k = 0; k < 3; ++k) fmt::print("  radius {}  {:.6g}{}\n", "xyz"[k], (*fit.radii)[k], sd(3 + k));
+  for (int k = 0; k < 3; ++k)
+    fmt::print("  matrix    {:14.7g} {:14.7g} {:14.7g}\n", fit.matrix(k, 0), fit.matrix(k, 1), fit.matrix(k, 2));
+  fmt::print("  norm off by {:.3g} rms, {} iterations\n", fit.residual_rms, fit.iterations);
+  for (const auto& condition : fit.conditions) fmt::print("  violates condition {}\n", condition);
+}
+
+}  // namespace
+
+int calibrate_points(const std::string& path, const std::string& method_name, const calib::PointsOptions& options,
+                     const JsonTarget& json) {
+  const auto method = calib::method_named(method_name);
+  if (!method) {
+    std::string known;
+    for (const auto& m : calib::methods()) known += " " + std::string(m.name);
+    return report({ErrorKind::kUsage, fmt::format("--method '{}' is not known; known are:{}", method_name, known)});
+  }
+  const auto table = read_points(path);
+  calib::PointsFit fit;
+  ErrorKind kind = ErrorKind::kBadData;
+  std::size_t count = 0;
+  if (!table) {
+    if (table.error().kind == ErrorKind::kNoInput) return report(table.error());
+    fit.status = calib::FitStatus::kBadInput;
+    fit.reason = table.error().message;
+  } else if (!table->faults.empty()) {
+    fit.status = calib::FitStatus::kBadInput;
+    const auto shown = std::min<std::size_t>(table->faults.size(), 10);
+    for (std::size_t k = 0; k < shown; ++k) fit.reason += (k ? "\n" : "") + table->faults[k];
+    count = table->points.size() + table->faults.size();
+  } else {
+    fit = calib::fit_points(*method, table->points, options);
+    count = table->points.size();
+  }
+  if (json) {
+    if (const int failed = write_json(to_json(method_name, fit, count).dump(2) + "\n", *json)) return failed;
+  } else {
+    print(method_name, fit);
+  }
+  return fit.status == calib::FitStatus::kOk
+             ? 0
+             : report({kind, fmt::format("{}: {}", calib::name(fit.status), fit.reason)});
+}
+
+}  // namespace stillpoint::app

@@ -1,0 +1,243 @@
+/// `stillpoint calibrate --recording`: the daemon's rest detection and calibration over a file, with what they could
+/// not see.
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <array>
+#include <cmath>
+#include <cstring>
+#include <fstream>
+#include <map>
+#include <nlohmann/json.hpp>
+
+#include "apps/stillpoint/calibrate.h"
+#include "apps/stillpoint/commands.h"
+#include "calib_online/online_calibrator.h"
+#include "calib_online/rest_detector.h"
+#include "io/recording.h"
+
+namespace stillpoint::app {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+struct Outcome {
+  std::vector<calib::Window> windows;
+  std::map<std::string, double> refused_s;  ///< seconds by reason
+  CalibrationSnapshot factory, learnt;
+  double gravity_mps2 = kStandardGravity_mps2;
+  double duration_s = 0.0;
+};
+
+const char* text(CalibrationStatus status) {
+  switch (status) {
+    case CalibrationStatus::kFactory:
+      return "factory";
+    case CalibrationStatus::kOk:
+      return "ok";
+    case CalibrationStatus::kTooFewWindows:
+      return "too_few_windows";
+    case CalibrationStatus::kNotObservable:
+      return "not_observable";
+    case CalibrationStatus::kNotPositiveDefinite:
+      return "not_positive_definite";
+    case CalibrationStatus::kClipped:
+      return "clipped";
+    case CalibrationStatus::kStuck:
+      return "stuck";
+    case CalibrationStatus::kReplaced:
+      return "replaced";
+  }
+  return "?";
+}
+
+/// To standard error, on a terminal, for files that take long enough to wonder.
+class Progress {
+ public:
+  explicit Progress(std::size_t total) : total_(total), shown_(total > 200'000 && isatty(STDERR_FILENO) != 0) {}
+  void at(std::size_t row) const {
+    if (!shown_ || row % 20'000 != 0) return;
+    const int done = static_cast<int>(40 * row / total_);
+    fmt::print(stderr, "\r[{:<40}] {:3d} %", std::string(static_cast<std::size_t>(done), '#'),
+               static_cast<int>(100 * row / total_));
+  }
+  ~Progress() {
+    if (shown_) fmt::print(stderr, "\r{:50}\r", "");
+  }
+
+ private:
+  std::size_t total_;
+  bool shown_;
+};
+
+bool read_state(const std::string& path, calib::OnlineCalibrator& calibrator) {
+  std::ifstream in(path, std::ios::binary);
+  calib::OnlineCalibrator::State state;
+  return in && in.read(reinterpret_cast<char*>(&state), sizeof state) && calibrator.restore(state);
+}
+
+int write_state(const std::string& path, const calib::OnlineCalibrator& calibrator) {
+  const auto state = calibrator.state();
+  const std::string fresh = path + ".new";
+  std::ofstream out(fresh, std::ios::binary);
+  out.write(reinterpret_cast<const char*>(&state), sizeof state).flush();
+  out.close();
+  if (out && std::rename(fresh.c_str(), path.c_str()) == 0) return 0;
+  return report({ErrorKind::kCannotCreate, path + ": cannot write the state: " + std::strerror(errno)});
+}
+
+Outcome calibrate(const io::Recording& recording, calib::OnlineCalibrator& calibrator, double gravity_mps2) {
+  Outcome run;
+  run.gravity_mps2 = gravity_mps2;
+  run.factory = CalibrationSnapshot{};
+  calib::RestDetectorParams params;
+  params.gravity_mps2 = gravity_mps2;
+  calib::RestDetector detector(params);
+  const Progress progress(recording.size());
+  for (std::size_t row = 0; row < recording.size(); ++row) {
+    progress.at(row);
+    const auto window = detector.push(recording.sample(row), calibrator.snapshot());
+    const double step_s = row > 0 ? recording.t_s(row) - recording.t_s(row - 1) : 0.0;
+    run.refused_s[std::string(calib::name(detector.last_refusal()))] += step_s;
+    if (!window) continue;
+    run.windows.push_back(*window);
+    calibrator.absorb(*window);
+  }
+  run.learnt = calibrator.snapshot();
+  run.duration_s = recording.t_s(recording.size() - 1) - recording.t_s(0);
+  return run;
+}
+
+/// What would have to be seen for the rest to be known.
+std::vector<std::string> missing(const Outcome& run) {
+  std::vector<std::string> out;
+  if (run.windows.empty()) {
+    std::string most = "none";
+    double longest_s = 0.0;
+    for (const auto& [reason, s] : run.refused_s)
+      if (s > longest_s) longest_s = s, most = reason;
+    out.push_back(fmt::format("no window of rest; most of the time: {}", most));
+    return out;
+  }
+  std::array<int, 6> faces{};
+  std::size_t with_gyr = 0, turned = 0;
+  for (const auto& w : run.windows) {
+    const Vec3 u = run.learnt.acc.apply(w.acc_mps2, w.temp_degC).normalized();
+    for (int k = 0; k < 3; ++k) {
+      if (u[k] > 0.7) ++faces[static_cast<std::size_t>(2 * k)];
+      if (u[k] < -0.7) ++faces[static_cast<std::size_t>(2 * k + 1)];
+    }
+    with_gyr += (w.has & kGyr) != 0;
+    turned += w.rotation_valid && 2.0 * std::acos(std::min(1.0, std::abs(w.q_previous_this[0]))) > 0.5;
+  }
+  constexpr std::array<const char*, 6> kFaces{"x up", "x down", "y up", "y down", "z up", "z down"};
+  for (std::size_t k = 0; k < 6; ++k)
+    if (faces[k] == 0) out.push_back(fmt::format("no window with {}", kFaces[k]));
+  if (with_gyr == 0) out.emplace_back("no window in which the gyroscope was surely at rest");
+  if (turned < 3)
+    out.push_back(fmt::format(
+        "{} turns between windows; the gyro's matrix and the angles between the sensors need turns about three axes",
+        turned));
+  return out;
+}
+
+struct Norms {
+  double before_mps2 = 0.0, after_mps2 = 0.0;
+};
+/// rms of the norm's error over the windows, with the factory calibration and with what was learnt.
+Norms norms(const Outcome& run) {
+  Norms n;
+  for (const auto& w : run.windows) {
+    n.before_mps2 += std::pow(run.factory.acc.apply(w.acc_mps2, w.temp_degC).norm() - run.gravity_mps2, 2);
+    n.after_mps2 += std::pow(run.learnt.acc.apply(w.acc_mps2, w.temp_degC).norm() - run.gravity_mps2, 2);
+  }
+  const double count = std::max<double>(1.0, static_cast<double>(run.windows.size()));
+  return {std::sqrt(n.before_mps2 / count), std::sqrt(n.after_mps2 / count)};
+}
+
+Json to_json(const TriadCalibration& t) {
+  Json j;
+  j["status"] = text(t.status);
+  j["windows"] = t.windows;
+  j["bias"] = t.bias;
+  j["bias_sd"] = {std::sqrt(t.bias_covariance[0]), std::sqrt(t.bias_covariance[4]), std::sqrt(t.bias_covariance[8])};
+  j["bias_per_K"] = t.bias_per_K;
+  j["bias_per_K2"] = t.bias_per_K2;
+  j["temp_ref_degC"] = t.temp_ref_degC;
+  j["temp_range_degC"] = {t.temp_min_degC, t.temp_max_degC};
+  j["matrix"] = Json::array();
+  for (std::size_t r = 0; r < 3; ++r)
+    j["matrix"].push_back({t.matrix[3 * r], t.matrix[3 * r + 1], t.matrix[3 * r + 2]});
+  j["norm_sd"] = t.norm_sd;
+  return j;
+}
+
+Json to_json(const std::string& path, const Outcome& run) {
+  const Norms n = norms(run);
+  Json j;
+  j["recording"] = path;
+  j["duration_s"] = run.duration_s;
+  j["windows"] = run.windows.size();
+  j["seconds_by_verdict"] = run.refused_s;
+  j["norm_rms_error_mps2"] = {{"before", n.before_mps2}, {"after", n.after_mps2}};
+  j["accelerometer"] = to_json(run.learnt.acc);
+  j["gyroscope"] = to_json(run.learnt.gyr);
+  j["missing"] = missing(run);
+  return j;
+}
+
+void print(const char* sensor, const char* unit, double factor, const TriadCalibration& t) {
+  fmt::print("\n{}: {}, {} windows\n", sensor, text(t.status), t.windows);
+  for (std::size_t k = 0; k < 3; ++k) {
+    fmt::print("  bias {}  {:10.4f} +- {:.4f} {}   {:+.5f} {}/K\n", "xyz"[k], factor * t.bias[k],
+               factor * std::sqrt(t.bias_covariance[4 * k]), unit, factor * t.bias_per_K[k], unit);
+  }
+  for (std::size_t r = 0; r < 3; ++r)
+    fmt::print("  matrix  {:10.6f} {:10.6f} {:10.6f}\n", t.matrix[3 * r], t.matrix[3 * r + 1], t.matrix[3 * r + 2]);
+}
+
+void print(const std::string& path, const Outcome& run) {
+  const Norms n = norms(run);
+  fmt::print("{}: {:.1f} s, {} windows of rest\n", path, run.duration_s, run.windows.size());
+  for (const auto& [reason, s] : run.refused_s)
+    if (s > 0.0) fmt::print("  {:8.1f} s  {}\n", s, reason == "none" ? "at rest" : reason);
+  print("accelerometer", "m/s^2", 1.0, run.learnt.acc);
+  fmt::print("  norm known to {:.4f} m/s^2 (rms over the sphere); windows off by {:.4f} before, {:.4f} after\n",
+             run.learnt.acc.norm_sd, n.before_mps2, n.after_mps2);
+  print("gyroscope", "deg/s", kDegPerRad, run.learnt.gyr);
+  fmt::print("\nstill missing:\n");
+  const auto lacks = missing(run);
+  for (const auto& line : lacks) fmt::print("  {}\n", line);
+  if (lacks.empty()) fmt::print("  nothing\n");
+}
+
+}  // namespace
+
+int calibrate_recording(const std::string& path, const JsonTarget& json, const std::string& state) {
+  const auto recording = io::read_recording(path);
+  if (!recording) return report(recording.error());
+  if (recording->acc_mps2.empty() || recording->acc_in_counts || recording->gyr_in_counts)
+    return report(
+        {ErrorKind::kBadData,
+         path + ": the calibration needs acc_*_mps2 or acc_*_g, and a gyroscope in rad/s or deg/s, not counts"});
+  double gravity_mps2 = kStandardGravity_mps2;
+  if (const auto it = recording->header.find("gravity_mps2"); it != recording->header.end()) {
+    const double given = std::atof(it->second.c_str());
+    if (given > 9.7 && given < 9.9) gravity_mps2 = given;
+  }
+  calib::OnlineCalibratorParams params;
+  params.gravity_mps2 = gravity_mps2;
+  calib::OnlineCalibrator calibrator(params, CalibrationSnapshot{});
+  if (!state.empty() && std::ifstream(state).good() && !read_state(state, calibrator))
+    return report(
+        {ErrorKind::kBadData, state + ": not a state of this version, or damaged; set it aside and run again"});
+  for (const auto& line : io::describe(recording->issues)) fmt::print(stderr, "{}: {}\n", path, line);
+  const Outcome run = calibrate(*recording, calibrator, gravity_mps2);
+  if (!state.empty())
+    if (const int failed = write_state(state, calibrator)) return failed;
+  if (json) return write_json(to_json(path, run).dump(2) + "\n", *json);
+  print(path, run);
+  return 0;
+}
+
+}  // namespace stillpoint::app
