@@ -1,0 +1,58 @@
+/// The Fast DDS objects behind publisher and subscriber: one participant, what was made in it, and its orderly end.
+#pragma once
+#include <fastdds/dds/domain/DomainParticipant.hpp>
+#include <fastdds/dds/publisher/DataWriter.hpp>
+#include <fastdds/dds/publisher/Publisher.hpp>
+#include <fastdds/dds/publisher/qos/DataWriterQos.hpp>
+#include <fastdds/dds/subscriber/DataReader.hpp>
+#include <fastdds/dds/subscriber/DataReaderListener.hpp>
+#include <fastdds/dds/subscriber/Subscriber.hpp>
+#include <fastdds/dds/subscriber/qos/DataReaderQos.hpp>
+#include <fastdds/dds/topic/TypeSupport.hpp>
+#include <memory>
+#include <string>
+
+#include "core/result.h"
+#include "io/dds_params.h"
+
+namespace stillpoint::io {
+
+namespace dds = eprosima::fastdds::dds;
+
+/// One participant. Errors name the domain and what to look at (exit code 69), bad values the key (78).
+class DdsEntities {
+ public:
+  /// `transport` overrides params.transport: the ROS 2 topics stay on UDP whatever the attitude uses.
+  [[nodiscard]] static Result<std::unique_ptr<DdsEntities>> create(const DdsParams& params,
+                                                                   const std::string& transport,
+                                                                   const std::string& name);
+  ~DdsEntities();
+  DdsEntities(const DdsEntities&) = delete;
+  DdsEntities& operator=(const DdsEntities&) = delete;
+
+  [[nodiscard]] Result<dds::DataWriter*> writer(const std::string& topic, const dds::TypeSupport& type,
+                                                const dds::DataWriterQos& qos);
+  [[nodiscard]] Result<dds::DataReader*> reader(const std::string& topic, const dds::TypeSupport& type,
+                                                const dds::DataReaderQos& qos, dds::DataReaderListener* listener);
+  /// Listeners are not called again once this returns.
+  void stop() noexcept;
+
+ private:
+  DdsEntities() = default;
+  [[nodiscard]] Result<dds::Topic*> topic(const std::string& name, const dds::TypeSupport& type);
+
+  dds::DomainParticipant* participant_ = nullptr;
+  dds::Publisher* publisher_ = nullptr;
+  dds::Subscriber* subscriber_ = nullptr;
+};
+
+/// Quality of service of the topics, the same on both sides.
+[[nodiscard]] dds::DataWriterQos attitude_writer_qos(const std::string& transport);
+[[nodiscard]] dds::DataReaderQos attitude_reader_qos(const std::string& transport);
+/// Reliable, keeps the last `depth` for retransmission; a reader that does not keep up loses the oldest, nobody waits.
+[[nodiscard]] dds::DataWriterQos reliable_writer_qos(int depth, bool for_late_joiners);
+[[nodiscard]] dds::DataReaderQos reliable_reader_qos(int depth, bool late_joiner);
+
+inline constexpr int kRawDepth = 4096;  ///< 4 s at 1 kHz of readings kept for a slow recorder
+
+}  // namespace stillpoint::io

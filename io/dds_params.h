@@ -1,0 +1,46 @@
+/// How Stillpoint appears on DDS. One struct serves the publisher, the subscribers and the configuration's `dds:`
+/// section.
+#pragma once
+#include <string>
+#include <vector>
+
+#include "core/fields.h"
+
+namespace stillpoint::io {
+
+struct DdsParams {
+  int domain = 0;
+  std::string transport = "udp";
+  std::string interface = "127.0.0.1";
+  std::string attitude_topic = "stillpoint/attitude";
+  std::string calibration_topic = "stillpoint/calibration";
+  std::string diagnostics_topic = "stillpoint/diagnostics";
+  std::string raw_topic = "stillpoint/raw";
+  bool ros2 = true;
+  std::string ros2_namespace;
+  std::string frame_id = "imu_link";
+
+  static constexpr auto fields() {
+    using P = DdsParams;
+    return std::tuple{
+        field("domain", &P::domain, in_range(0, 232), "DDS domain; ROS 2 calls it ROS_DOMAIN_ID"),
+        field("transport", &P::transport,
+              "udp | shm | data_sharing; the last two are faster but lose everything silently between two users or two "
+              "versions of Fast DDS"),
+        field("interface", &P::interface,
+              "address of the only network interface used; 127.0.0.1 keeps to this machine, any uses all interfaces"),
+        field("attitude_topic", &P::attitude_topic, "every attitude, best effort"),
+        field("calibration_topic", &P::calibration_topic, "calibration in use, reliable, kept for late subscribers"),
+        field("diagnostics_topic", &P::diagnostics_topic, "health once a second, reliable"),
+        field("raw_topic", &P::raw_topic, "readings as the sensor gave them, reliable; empty: not published"),
+        field("ros2", &P::ros2, "also publish rt/imu/data, rt/imu/mag and rt/diagnostics as a ROS 2 node would"),
+        field("ros2_namespace", &P::ros2_namespace, "put before imu/data and imu/mag, for example robot1"),
+        field("frame_id", &P::frame_id, "frame_id of the ROS 2 messages"),
+    };
+  }
+};
+
+/// What is wrong with the values, in words, one entry a fault; empty when they can be used.
+[[nodiscard]] std::vector<std::string> check(const DdsParams& params);
+
+}  // namespace stillpoint::io

@@ -1,0 +1,183 @@
+#include "io/dds_publisher.h"
+
+#include <stillpoint_idl/ros2PubSubTypes.h>
+#include <stillpoint_idl/stillpointPubSubTypes.h>
+#include <time.h>
+
+#include <cmath>
+#include <string_view>
+#include <vector>
+
+#include "io/dds_convert.h"
+#include "io/dds_entities.h"
+
+namespace stillpoint::io {
+namespace {
+
+using Code = eprosima::fastrtps::types::ReturnCode_t;
+
+// RIHS01 hashes of the ROS 2 message definitions (REP-2011); ROS 2 from Iron on looks for them in the writer's
+// USER_DATA.
+constexpr std::string_view kImuHash = "7d9a00ff131080897a5ec7e26e315954b8eae3353c3f995c55faf71574000b5b";
+constexpr std::string_view kMagneticFieldHash = "e80f32f56a20486c9923008fc1a1db07bbb273cbbf6a5b3bfa00835ee00e4dff";
+constexpr std::string_view kDiagnosticArrayHash = "5a8a36efb05fb25070fa0fb3810290c0e6cd4862b54a8fb975a1ee8dc55a333e";
+constexpr int kRos2Depth = 10;  // the depth of rmw's default profile
+
+std::int64_t now_ns(clockid_t clock) noexcept {
+  timespec now{};
+  clock_gettime(clock, &now);
+  return std::int64_t{now.tv_sec} * 1'000'000'000 + now.tv_nsec;
+}
+
+/// CLOCK_REALTIME of an instant of CLOCK_MONOTONIC: ROS 2 stamps are in wall time. 0 means now.
+std::int64_t realtime_of(std::int64_t monotonic_ns) {
+  const std::int64_t realtime_now_ns = now_ns(CLOCK_REALTIME);
+  return monotonic_ns == 0 ? realtime_now_ns : realtime_now_ns - (now_ns(CLOCK_MONOTONIC) - monotonic_ns);
+}
+
+dds::DataWriterQos ros2_writer_qos(std::string_view hash) {
+  dds::DataWriterQos qos = reliable_writer_qos(kRos2Depth, false);
+  const std::string text = "typehash=RIHS01_" + std::string(hash) + ";";
+  qos.user_data().data_vec(std::vector<eprosima::fastrtps::rtps::octet>(text.begin(), text.end()));
+  return qos;
+}
+
+}  // namespace
+
+struct DdsPublisher::Impl {
+  DdsParams params;
+  std::unique_ptr<DdsEntities> hot, slow;  // two participants: what blocks inside one does not reach the other
+  bool loan = false;
+  dds::DataWriter* attitude = nullptr;
+  dds::DataWriter* raw = nullptr;
+  dds::DataWriter* calibration = nullptr;
+  dds::DataWriter* diagnostics = nullptr;
+  dds::DataWriter* imu = nullptr;
+  dds::DataWriter* mag = nullptr;
+  dds::DataWriter* ros2_diagnostics = nullptr;
+  // Kept between writes, so that the hot one is never constructed and the slow ones keep their strings' memory.
+  msg::Attitude attitude_message;
+  msg::RawImu raw_message;
+  msg::CalibrationState calibration_message;
+  msg::Diagnostics diagnostics_message;
+  sensor_msgs::msg::Imu imu_message;
+  sensor_msgs::msg::MagneticField mag_message;
+  diagnostic_msgs::msg::DiagnosticArray ros2_diagnostics_message;
+
+  Result<void> create_writers();
+};
+
+Result<void> DdsPublisher::Impl::create_writers() {
+  Result<void> done;
+  const auto make = [&done](DdsEntities& in, const std::string& topic, dds::TopicDataType* type,
+                            const dds::DataWriterQos& qos, dds::DataWriter*& writer) {
+    const dds::TypeSupport support(type);
+    if (!done) return;
+    const auto made = in.writer(topic, support, qos);
+    if (made)
+      writer = *made;
+    else
+      done = tl::unexpected(made.error());
+  };
+  make(*hot, params.attitude_topic, new msg::AttitudePubSubType, attitude_writer_qos(params.transport), attitude);
+  make(*slow, params.calibration_topic, new msg::CalibrationStatePubSubType, reliable_writer_qos(1, true), calibration);
+  make(*slow, params.diagnostics_topic, new msg::DiagnosticsPubSubType, reliable_writer_qos(1, true), diagnostics);
+  if (!params.raw_topic.empty())
+    make(*slow, params.raw_topic, new msg::RawImuPubSubType, reliable_writer_qos(kRawDepth, false), raw);
+  if (!params.ros2) return done;
+  const std::string prefix = "rt/" + (params.ros2_namespace.empty() ? "" : params.ros2_namespace + "/");
+  make(*slow, prefix + "imu/data", new sensor_msgs::msg::ImuPubSubType, ros2_writer_qos(kImuHash), imu);
+  make(*slow, prefix + "imu/mag", new sensor_msgs::msg::MagneticFieldPubSubType, ros2_writer_qos(kMagneticFieldHash),
+       mag);
+  // REP-107: one topic for all of a machine, so no namespace.
+  make(*slow, "rt/diagnostics", new diagnostic_msgs::msg::DiagnosticArrayPubSubType,
+       ros2_writer_qos(kDiagnosticArrayHash), ros2_diagnostics);
+  return done;
+}
+
+DdsPublisher::DdsPublisher(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
+DdsPublisher::~DdsPublisher() = default;
+
+Result<std::unique_ptr<DdsPublisher>> DdsPublisher::create(const DdsParams& params) {
+  auto impl = std::make_unique<Impl>();
+  impl->params = params;
+  impl->loan = params.transport == "data_sharing";
+  auto hot = DdsEntities::create(params, params.transport, "stillpointd");
+  if (!hot) return tl::unexpected(hot.error());
+  auto slow = DdsEntities::create(params, "udp", "stillpointd/slow");
+  if (!slow) return tl::unexpected(slow.error());
+  impl->hot = std::move(*hot);
+  impl->slow = std::move(*slow);
+  if (auto made = impl->create_writers(); !made) return tl::unexpected(made.error());
+  return std::unique_ptr<DdsPublisher>(new DdsPublisher(std::move(impl)));
+}
+
+bool DdsPublisher::publish(const AttitudeMessage& message) noexcept {
+  msg::Attitude* out = &impl_->attitude_message;
+  if (impl_->loan) {
+    void* loaned = nullptr;
+    if (impl_->attitude->loan_sample(loaned) != Code::RETCODE_OK) return false;
+    out = static_cast<msg::Attitude*>(loaned);
+  }
+  to_wire(message, *out);
+  out->t_publish_ns(now_ns(CLOCK_MONOTONIC));
+  if (impl_->attitude->write(out)) return true;
+  if (impl_->loan) {
+    void* loaned = out;
+    impl_->attitude->discard_loan(loaned);
+  }
+  return false;
+}
+
+bool DdsPublisher::publish_raw(const RawSample& sample, std::int64_t t_arrival_ns) {
+  if (impl_->raw == nullptr) return false;
+  to_wire(sample, t_arrival_ns, impl_->raw_message);
+  return impl_->raw->write(&impl_->raw_message);
+}
+
+bool DdsPublisher::publish_calibration(const CalibrationMessage& message) {
+  to_wire(message, impl_->calibration_message);
+  return impl_->calibration->write(&impl_->calibration_message);
+}
+
+bool DdsPublisher::publish_diagnostics(const DiagnosticsMessage& message) {
+  const std::int64_t t_ns = now_ns(CLOCK_MONOTONIC);
+  to_wire(message, impl_->diagnostics_message);
+  impl_->diagnostics_message.t_publish_ns(t_ns);
+  const bool written = impl_->diagnostics->write(&impl_->diagnostics_message);
+  if (impl_->ros2_diagnostics == nullptr) return written;
+  to_ros2(message, realtime_of(t_ns), impl_->ros2_diagnostics_message);
+  return impl_->ros2_diagnostics->write(&impl_->ros2_diagnostics_message) && written;
+}
+
+bool DdsPublisher::publish_imu(const AttitudeMessage& attitude, const CalibratedSample& sample) {
+  if (impl_->imu == nullptr) return false;
+  const std::int64_t stamp_ns = realtime_of(attitude.t_arrival_ns);
+  to_ros2(attitude, sample, stamp_ns, impl_->params.frame_id, impl_->imu_message);
+  const bool written = impl_->imu->write(&impl_->imu_message);
+  if (!sample.holds(kMag)) return written;
+  to_ros2(sample, stamp_ns, impl_->params.frame_id, impl_->mag_message);
+  return impl_->mag->write(&impl_->mag_message) && written;
+}
+
+int DdsPublisher::attitude_subscribers() const {
+  dds::PublicationMatchedStatus status;
+  impl_->attitude->get_publication_matched_status(status);
+  return status.current_count;
+}
+
+bool DdsPublisher::wait_for_acknowledgements(double timeout_s) {
+  const auto end_ns = now_ns(CLOCK_MONOTONIC) + static_cast<std::int64_t>(1e9 * timeout_s);
+  bool all = true;
+  for (auto* writer :
+       {impl_->raw, impl_->calibration, impl_->diagnostics, impl_->imu, impl_->mag, impl_->ros2_diagnostics}) {
+    if (writer == nullptr) continue;
+    const auto left_ns = std::max<std::int64_t>(0, end_ns - now_ns(CLOCK_MONOTONIC));
+    const eprosima::fastrtps::Duration_t left(static_cast<std::int32_t>(left_ns / 1'000'000'000),
+                                              static_cast<std::uint32_t>(left_ns % 1'000'000'000));
+    all = writer->wait_for_acknowledgments(left) == Code::RETCODE_OK && all;
+  }
+  return all;
+}
+
+}  // namespace stillpoint::io
