@@ -14,18 +14,26 @@ constexpr std::uint32_t kWideningsToReset = 3;
 constexpr double kSameDirection = 0.985;           // cosine of 10 degrees
 constexpr std::uint32_t kSameDirectionLimit = 10;  // Gietzelt 2.4: up to ten measurements of a direction
 constexpr double kErrorMemory = 0.98;
-constexpr double kStretch_s = 900.0;  // a turn is taken to last no longer
-constexpr double kStretchTemp_K = 4.0;
 
 double squared(double v) { return v * v; }
 
 }  // namespace
 
+std::string check(const OnlineCalibratorParams& params) {
+  const std::string& model = params.temperature_model;
+  if (model == "none" || model == "cells" || model == "polynomial") return {};
+  return "temperature_model is '" + model + "'; it must be none, cells or polynomial";
+}
+
 OnlineCalibrator::OnlineCalibrator(const Params& params, const CalibrationSnapshot& factory)
     : params_(params),
       factory_(factory),
       snapshot_(factory),
+      model_(params.temperature_model == "none"    ? TemperatureModel::kNone
+             : params.temperature_model == "cells" ? TemperatureModel::kCells
+                                                   : TemperatureModel::kPolynomial),
       acc_(params.accelerometer, params.gravity_mps2),
+      cells_(params.temperature_cells),
       gyr_(params.gyroscope) {}
 
 double OnlineCalibrator::tau(double temp_degC, const TriadCalibration& factory) const noexcept {
@@ -37,6 +45,7 @@ OnlineCalibrator::State OnlineCalibrator::state() const noexcept {
   out.version = State::kVersion;
   out.bytes = sizeof(State);
   out.acc = acc_.state();
+  out.acc_cells = cells_.state();
   out.gyr = gyr_.state();
   out.snapshot_version = snapshot_.version;
   return out;
@@ -54,6 +63,7 @@ bool OnlineCalibrator::restore(const State& state) noexcept {
   }
   s_ = state;
   acc_.restore(state.acc);
+  cells_.restore(state.acc_cells);
   gyr_.restore(state.gyr);
   snapshot_.version = state.snapshot_version;
   snapshot_.t_ns = state.t_ns;
@@ -61,6 +71,10 @@ bool OnlineCalibrator::restore(const State& state) noexcept {
   const double temp_degC = s_.temp_known ? 0.5 * (s_.temp_min_degC + s_.temp_max_degC) : factory_.acc.temp_ref_degC;
   if (s_.acc_windows > 0) publish_acc(temp_degC);
   if (s_.gyr_windows > 0) publish_gyr(temp_degC);
+  const auto& prior = params_.gyro_matrix;
+  const GyroMatrixFit turns = solve(s_.turns, mat(factory_.gyr.matrix), prior.scale_sd, prior.cross_sd);
+  if (turns.status == FitStatus::kOk && s_.turns.segments > 0) snapshot_.gyr.matrix = array(turns.H);
+  s_.has_previous = false;  // where the body was before the restart says nothing of a turn since
   return true;
 }
 
@@ -81,6 +95,7 @@ bool OnlineCalibrator::absorb(const Window& window) noexcept {
     changed = true;
   }
   changed = ((window.has & kGyr) != 0 && absorb_gyr(window)) || changed;
+  changed = absorb_turn(window) || changed;
   if (changed) {
     ++snapshot_.version;
     snapshot_.t_ns = window.t_end_ns;
@@ -110,7 +125,12 @@ bool OnlineCalibrator::absorb_acc(const Window& w) noexcept {
   s_.last_direction = array(Vec3(x.normalized()));
   variance *= std::max(1.0, static_cast<double>(s_.same_direction) / kSameDirectionLimit);
 
-  const auto innovation = acc_.innovation(x, t);
+  const AccEstimate before = acc_estimate(w.temp_degC);
+  const Vec9 d = quadric_terms(x);
+  const AccFilter::Innovation innovation =
+      model_ == TemperatureModel::kPolynomial || !before.valid
+          ? acc_.innovation(x, t)
+          : AccFilter::Innovation{1.0 - d.dot(before.p), d.dot(before.covariance * d)};
   const double sd = std::sqrt(innovation.variance + variance);
   const double ratio = std::abs(innovation.value) / sd;
   if (ratio > kGate) {
@@ -118,6 +138,7 @@ bool OnlineCalibrator::absorb_acc(const Window& w) noexcept {
     s_.acc_rejected_run = 0;
     if (++s_.widenings >= kWideningsToReset) {
       acc_.reset();
+      cells_.restore({});
       s_.widenings = 0;
       s_.acc_windows = 0;
     }
@@ -128,17 +149,47 @@ bool OnlineCalibrator::absorb_acc(const Window& w) noexcept {
   s_.factory_error = kErrorMemory * s_.factory_error + squared(x.squaredNorm() - 1.0);
   s_.learnt_error = kErrorMemory * s_.learnt_error + squared(innovation.value);
   s_.error_weight = kErrorMemory * s_.error_weight + 1.0;
-  acc_.update(x, t, variance * std::max(1.0, ratio / kHuber));
+  learn_acc(x, w, variance * std::max(1.0, ratio / kHuber));
   ++s_.acc_windows;
   publish_acc(w.temp_degC);
   return true;
+}
+
+void OnlineCalibrator::learn_acc(const Vec3& x, const Window& w, double variance) noexcept {
+  if (model_ == TemperatureModel::kPolynomial) {
+    acc_.update(x, tau(w.temp_degC, factory_.acc), variance);
+    return;
+  }
+  const Mat3 to_x = mat(factory_.acc.matrix) / params_.gravity_mps2;
+  const double weight = 4.0 * squared(cell_noise()) / variance;
+  cells_.add(x, Mat3(to_x * mat(w.acc_cov) * to_x.transpose()), w.temp_degC, std::min(1.0, weight));
+}
+
+/// The relative sd of the norm of one window in the cells: its floor, and what half a cell's width leaves of the slope.
+double OnlineCalibrator::cell_noise() const noexcept {
+  const double slope = model_ == TemperatureModel::kCells
+                           ? params_.accelerometer.bias_per_K_sd_mps2 * 0.5 * params_.temperature_cells.kernel_K
+                           : 0.0;
+  return std::sqrt(squared(params_.accelerometer.norm_floor_mps2) + slope * slope) / params_.gravity_mps2;
+}
+
+OnlineCalibrator::AccEstimate OnlineCalibrator::acc_estimate(double temp_degC) const noexcept {
+  if (model_ == TemperatureModel::kPolynomial) {
+    const double t = tau(temp_degC, factory_.acc);
+    return {acc_.at(t), acc_.covariance_at(t), true};
+  }
+  const auto& a = params_.accelerometer;
+  const Moments sums = model_ == TemperatureModel::kCells ? cells_.near(temp_degC) : cells_.all();
+  const MapFit fit = map_fit(sums, cell_noise(), {a.scale_sd, a.shear_sd, a.bias_sd_mps2 / params_.gravity_mps2});
+  return {fit.p, fit.covariance, fit.status == FitStatus::kOk};
 }
 
 void OnlineCalibrator::publish_acc(double temp_degC) noexcept {
   const double g = params_.gravity_mps2;
   const double t = tau(temp_degC, factory_.acc);
   TriadCalibration& out = snapshot_.acc;
-  const auto here = ellipsoid(acc_.at(t));
+  const AccEstimate estimate = acc_estimate(temp_degC);
+  const auto here = estimate.valid ? ellipsoid(estimate.p) : std::nullopt;
   // Worse than the prior on the windows themselves: the factory values serve until that is over.
   const bool worse = s_.error_weight > 5.0 && s_.learnt_error > 1.2 * s_.factory_error;
   if (!here || worse) {
@@ -152,7 +203,9 @@ void OnlineCalibrator::publish_acc(double temp_degC) noexcept {
   const Mat3 to_reading = g * H_f.inverse();
   // The centre at three temperatures gives the polynomial of the bias; the matrix is that of now.
   const double step = 0.2;  // 5 K
-  const auto colder = ellipsoid(acc_.at(t - step)), warmer = ellipsoid(acc_.at(t + step));
+  const bool polynomial = model_ == TemperatureModel::kPolynomial;
+  const auto colder = polynomial ? ellipsoid(acc_.at(t - step)) : here,
+             warmer = polynomial ? ellipsoid(acc_.at(t + step)) : here;
   const Vec3 c0 = here->centre;
   const Vec3 c1 = colder && warmer ? Vec3((warmer->centre - colder->centre) / (2.0 * step)) : Vec3(Vec3::Zero());
   const Vec3 c2 =
@@ -165,7 +218,7 @@ void OnlineCalibrator::publish_acc(double temp_degC) noexcept {
   out.temp_ref_degC = factory_.acc.temp_ref_degC;
   out.temp_min_degC = s_.temp_min_degC;
   out.temp_max_degC = s_.temp_max_degC;
-  const Mat9 C = acc_.covariance_at(t);
+  const Mat9& C = estimate.covariance;
   out.bias_covariance = array(Mat3(0.25 * to_reading * C.bottomRightCorner<3, 3>() * to_reading.transpose()));
   out.norm_sd = g * std::sqrt(mean_norm_variance(C));
   out.windows = s_.acc_windows;
@@ -173,87 +226,6 @@ void OnlineCalibrator::publish_acc(double temp_degC) noexcept {
   const bool known = worst_norm_variance(C).variance < 0.25 * worst_norm_variance(C0).variance;
   out.status = known ? CalibrationStatus::kOk
                      : (s_.acc_windows < 12 ? CalibrationStatus::kTooFewWindows : CalibrationStatus::kNotObservable);
-}
-
-bool OnlineCalibrator::absorb_gyr(const Window& w) noexcept {
-  const double age_s = static_cast<double>(w.t_end_ns - s_.stretch_start_ns) * kSecondsPerNs;
-  if (s_.stretch_windows > 0 &&
-      (w.moved || age_s > kStretch_s || std::abs(w.temp_degC - s_.stretch_temp_degC) > kStretchTemp_K)) {
-    commit_stretch();
-    gyr_.predict(age_s);
-  }
-  const double t = tau(w.temp_degC, factory_.gyr);
-  const Vec3 rate = vec(w.gyr_radps) - factory_.gyr.bias_at(w.temp_degC);
-  if (!rate.allFinite()) return false;
-  const GyrFilter present = with_stretch();
-  const Vec3 e = rate - present.at(t, t * t);
-  const Mat3 S = present.covariance_at(t, t * t) + mat(w.gyr_cov) + mat(w.turn_cov) +
-                 squared(3.0 * params_.gyroscope.mean_floor_radps) * Mat3::Identity();
-  if (e.dot(S.inverse() * e) > 3.0 * kGate * kGate) {
-    if (++s_.gyr_rejected_run < kRunToWiden) return false;
-    s_.gyr_rejected_run = 0;
-    commit_stretch();
-    gyr_.widen(1.0);
-    return false;
-  }
-  s_.gyr_rejected_run = 0;
-  if (s_.stretch_windows == 0) {
-    s_.stretch_start_ns = w.t_end_ns;
-    s_.stretch_temp_degC = w.temp_degC;
-    s_.stretch_turn_cov = w.turn_cov;
-    s_.stretch_rate = {};
-    s_.stretch_cov = {};
-    s_.stretch_tau = s_.stretch_tau2 = 0.0;
-  }
-  const double n = ++s_.stretch_windows;
-  vec(s_.stretch_rate) += (rate - vec(s_.stretch_rate)) / n;
-  mat(s_.stretch_cov) += (mat(w.gyr_cov) - mat(s_.stretch_cov)) / n;
-  s_.stretch_tau += (t - s_.stretch_tau) / n;
-  s_.stretch_tau2 += (t * t - s_.stretch_tau2) / n;
-  if (mat(w.turn_cov).trace() < mat(s_.stretch_turn_cov).trace()) s_.stretch_turn_cov = w.turn_cov;
-  ++s_.gyr_windows;
-  publish_gyr(w.temp_degC);
-  return true;
-}
-
-/// R6: the whole stretch is one measurement, its error that of the mean and of the turn that could hide in it. A rate
-/// that surprises in a direction where a turn could hide is taken for half a turn, so that no turn is learnt beyond 2
-/// sd.
-GyrFilter OnlineCalibrator::with_stretch() const noexcept {
-  GyrFilter out = gyr_;
-  if (s_.stretch_windows == 0) return out;
-  const Mat3 turn = mat(s_.stretch_turn_cov);
-  const double largest = turn.selfadjointView<Eigen::Lower>().eigenvalues().maxCoeff();
-  const Vec3 surprise = vec(s_.stretch_rate) - gyr_.at(s_.stretch_tau, s_.stretch_tau2);
-  const Vec3 hidden = largest > 0 ? Vec3(turn * surprise / largest) : Vec3(Vec3::Zero());
-  const Mat3 covariance =
-      mat(s_.stretch_cov) / static_cast<double>(s_.stretch_windows) + turn + 0.25 * hidden * hidden.transpose();
-  out.update(vec(s_.stretch_rate), covariance, s_.stretch_tau, s_.stretch_tau2);
-  return out;
-}
-
-void OnlineCalibrator::commit_stretch() noexcept {
-  if (s_.stretch_windows == 0) return;
-  gyr_ = with_stretch();
-  s_.stretch_windows = 0;
-}
-
-void OnlineCalibrator::publish_gyr(double temp_degC) noexcept {
-  const GyrFilter present = with_stretch();
-  const double t = tau(temp_degC, factory_.gyr);
-  const Mat3 c = present.polynomial();
-  const double s = kTempScale_K;
-  TriadCalibration& out = snapshot_.gyr;
-  out.bias = array(Vec3(vec(factory_.gyr.bias) + c.col(0)));
-  out.bias_per_K = array(Vec3(vec(factory_.gyr.bias_per_K) + c.col(1) / s));
-  out.bias_per_K2 = array(Vec3(vec(factory_.gyr.bias_per_K2) + c.col(2) / (s * s)));
-  out.temp_min_degC = s_.temp_min_degC;
-  out.temp_max_degC = s_.temp_max_degC;
-  const Mat3 P = present.covariance_at(t, t * t);
-  out.bias_covariance = array(P);
-  out.norm_sd = std::sqrt(P.trace() / 3.0);
-  out.windows = s_.gyr_windows;
-  out.status = s_.gyr_windows > 0 ? CalibrationStatus::kOk : CalibrationStatus::kTooFewWindows;
 }
 
 }  // namespace stillpoint::calib

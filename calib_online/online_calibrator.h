@@ -4,8 +4,11 @@
 /// is one unknown of its whole stretch of rest (docs/math/rest.md, R6).
 #pragma once
 #include <cstdint>
+#include <string>
 #include <type_traits>
 
+#include "calib_online/gyro_matrix.h"
+#include "calib_online/temperature_cells.h"
 #include "calib_online/temperature_filter.h"
 #include "calib_online/window.h"
 #include "core/calibration.h"
@@ -14,10 +17,24 @@
 
 namespace stillpoint::calib {
 
+struct GyroMatrixParams {
+  double scale_sd = 0.02;
+  double cross_sd = 0.02;
+  static constexpr auto fields() {
+    using P = GyroMatrixParams;
+    return std::tuple{
+        field("scale_sd", &P::scale_sd, in_range(1e-6, 0.3), "sd of the factory calibration's scale factors"),
+        field("cross_sd", &P::cross_sd, in_range(1e-6, 0.3), "sd of its axes' directions, rad")};
+  }
+};
+
 struct OnlineCalibratorParams {
   double gravity_mps2 = kStandardGravity_mps2;
   AccFilterParams accelerometer;
   GyrFilterParams gyroscope;
+  GyroMatrixParams gyro_matrix;
+  std::string temperature_model = "polynomial";
+  TemperatureCellsParams temperature_cells;
 
   static constexpr auto fields() {
     using P = OnlineCalibratorParams;
@@ -25,9 +42,15 @@ struct OnlineCalibratorParams {
         field("gravity_mps2", &P::gravity_mps2, in_range(9.7, 9.9), "local gravity"),
         field("accelerometer", &P::accelerometer, "how good the factory calibration of the accelerometer is"),
         field("gyroscope", &P::gyroscope, "how good the factory calibration of the gyroscope is"),
+        field("gyro_matrix", &P::gyro_matrix, "how good the factory calibration of the gyroscope's matrix is"),
+        field("temperature_model", &P::temperature_model, "of the accelerometer: none, cells or polynomial"),
+        field("temperature_cells", &P::temperature_cells, "the cells, where they are chosen"),
     };
   }
 };
+
+/// Empty, or what is wrong with the parameters beyond the ranges of their fields.
+[[nodiscard]] std::string check(const OnlineCalibratorParams& params);
 
 /// Runs on the calibration thread; allocates nothing, so it may run anywhere.
 class OnlineCalibrator {
@@ -40,7 +63,8 @@ class OnlineCalibrator {
     std::uint32_t version = kVersion;
     std::uint32_t bytes = 0;  ///< sizeof(State) of the writer
     AccFilter::State acc;
-    GyrFilter::State gyr;  ///< before the present stretch of rest
+    TemperatureCells::State acc_cells{};  ///< in use unless the temperature model is the polynomial
+    GyrFilter::State gyr;                 ///< before the present stretch of rest
     std::uint64_t snapshot_version = 0;
     std::int64_t t_ns = 0;
     std::uint32_t acc_windows = 0, gyr_windows = 0;
@@ -56,9 +80,15 @@ class OnlineCalibrator {
     double stretch_tau = 0.0, stretch_tau2 = 0.0, stretch_temp_degC = 0.0;
     Array3 stretch_rate{};
     Array9 stretch_cov{}, stretch_turn_cov{};
+    /// The turns between windows.
+    GyroMatrixSums turns;
+    Array3 previous_acc_mps2{};
+    double previous_temp_degC = 0.0;
+    bool has_previous = false;
   };
   static_assert(std::is_trivially_copyable_v<State>);
 
+  /// Pre: check(params) is empty.
   OnlineCalibrator(const Params& params, const CalibrationSnapshot& factory);
 
   /// Windows in time order. True when the snapshot changed.
@@ -74,15 +104,28 @@ class OnlineCalibrator {
   void predict(std::int64_t t_ns) noexcept;
   bool absorb_acc(const Window& window) noexcept;
   bool absorb_gyr(const Window& window) noexcept;
+  bool absorb_turn(const Window& window) noexcept;
   void commit_stretch() noexcept;
   [[nodiscard]] GyrFilter with_stretch() const noexcept;
+  enum class TemperatureModel : std::uint8_t { kNone, kCells, kPolynomial };
+  /// The nine entries and their covariance at one temperature, by whichever model is chosen.
+  struct AccEstimate {
+    Vec9 p = Vec9::Zero();
+    Mat9 covariance = Mat9::Zero();
+    bool valid = false;
+  };
+  [[nodiscard]] double cell_noise() const noexcept;
+  [[nodiscard]] AccEstimate acc_estimate(double temp_degC) const noexcept;
+  void learn_acc(const Vec3& x, const Window& window, double variance) noexcept;
   void publish_acc(double temp_degC) noexcept;
   void publish_gyr(double temp_degC) noexcept;
 
   Params params_;
   CalibrationSnapshot factory_;
   CalibrationSnapshot snapshot_;
+  TemperatureModel model_;
   AccFilter acc_;
+  TemperatureCells cells_;
   GyrFilter gyr_;
   State s_;  ///< its filters' states are filled in by state()
 };

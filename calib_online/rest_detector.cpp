@@ -228,6 +228,7 @@ void RestDetector::hand_on_rotation(Window& w, const CalibrationSnapshot& calibr
   for (int r = 0; r < 3; ++r)
     for (int c = 0; c < 9; ++c) w.d_rotation_d_matrix[static_cast<std::size_t>(9 * r + c)] = at_middle.J(r, c);
   w.d_rotation_d_bias = array(at_middle.J_bias);
+  w.gyr_matrix_used = calibration.gyr.matrix;
 
   Chain next;
   next.q = (at_middle.q.conjugate() * chain_.q).normalized();

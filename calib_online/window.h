@@ -45,11 +45,12 @@ struct Window {
   Array9 turn_cov{};  ///< (rad/s)^2, body: steady turning that gravity and the field cannot exclude. It is one unknown
                       ///< for a whole stretch of rest and does not average out.
   double temp_degC = 25.0;
-  Array4 q_previous_this{1, 0, 0, 0};  ///< v_previous = R(q) v_this, middle of the window to middle
-  Array9 rotation_cov{};               ///< rad^2, of the rotation vector in this window's body frame
-  Array27 d_rotation_d_matrix{};       ///< rotation vector (this frame) by the rows of the gyro's H
-  Array9 d_rotation_d_bias{};          ///< the same by the gyro's bias, s
-  double rotation_s = 0.0;             ///< time from middle to middle
+  Array4 q_previous_this{1, 0, 0, 0};                 ///< v_previous = R(q) v_this, middle of the window to middle
+  Array9 rotation_cov{};                              ///< rad^2, of the rotation vector in this window's body frame
+  Array27 d_rotation_d_matrix{};                      ///< rotation vector (this frame) by the rows of the gyro's H
+  Array9 d_rotation_d_bias{};                         ///< the same by the gyro's bias, s
+  Array9 gyr_matrix_used{1, 0, 0, 0, 1, 0, 0, 0, 1};  ///< H at which the rotation was integrated
+  double rotation_s = 0.0;                            ///< time from middle to middle
 };
 static_assert(std::is_trivially_copyable_v<Window>, "windows cross a ring between the two threads");
 
