@@ -31,22 +31,22 @@ double mean(const std::vector<double>& x) {
   return std::accumulate(x.begin(), x.end(), 0.0) / static_cast<double>(x.size());
 }
 
-/// u of the recording minus u of our noiseless simulation.
-Residual residual(const std::vector<SimulatedSample>& ours, const std::vector<Vec3>& theirs, const TriadConfig& c,
+/// Reading of the recording minus reading of our noiseless simulation.
+Residual residual(const std::vector<SimulatedSample>& ours, const std::vector<Vec3>& theirs,
                   const Array3 RawSample::*slot) {
   Residual out;
   for (std::size_t i = 0; i < ours.size(); ++i) {
-    const Vec3 d = c.matrix * (theirs[i] - vec(ours[i].sample.*slot));
+    const Vec3 d = theirs[i] - vec(ours[i].sample.*slot);
     for (std::size_t k = 0; k < 3; ++k) out.axis[k].push_back(d[static_cast<Eigen::Index>(k)]);
   }
   return out;
 }
 
-/// With n = 6000 samples the rms of white noise varies by 0.9 %, its lag-one correlation by 0.013, its mean by 0.013
-/// sd.
+/// With n = 6000 samples the rms of white noise varies by 0.9 % (four of these are allowed), its lag-one correlation by
+/// 0.013, its mean by 0.013 sd.
 void expect_white(const Residual& r, double sd, const std::string& what) {
   for (std::size_t k = 0; k < 3; ++k) {
-    EXPECT_NEAR(rms(r.axis[k]) / sd, 1.0, 0.05) << what << " axis " << k;
+    EXPECT_NEAR(rms(r.axis[k]) / sd, 1.0, 0.037) << what << " axis " << k;
     EXPECT_NEAR(lag_one(r.axis[k]), 0.0, 0.055) << what << " axis " << k;
     EXPECT_NEAR(mean(r.axis[k]) / sd, 0.0, 0.055) << what << " axis " << k;
   }
@@ -67,12 +67,9 @@ TEST_P(CleanCase, LeavesOnlyTheStatedWhiteNoise) {
   for (auto* triad : {&config->accelerometer, &config->gyroscope, &config->magnetometer}) (*triad)->noise_sd = 0.0;
   const auto ours = simulate(*config, std::move(*motion), 1);
   ASSERT_EQ(ours.size(), recording->size());
-  expect_white(residual(ours, recording->acc_mps2, *configured.accelerometer, &RawSample::acc_mps2),
-               configured.accelerometer->noise_sd, "acc");
-  expect_white(residual(ours, recording->gyr_radps, *configured.gyroscope, &RawSample::gyr_radps),
-               configured.gyroscope->noise_sd, "gyr");
-  expect_white(residual(ours, recording->mag_uT, *configured.magnetometer, &RawSample::mag_uT),
-               configured.magnetometer->noise_sd, "mag");
+  expect_white(residual(ours, recording->acc_mps2, &RawSample::acc_mps2), configured.accelerometer->noise_sd, "acc");
+  expect_white(residual(ours, recording->gyr_radps, &RawSample::gyr_radps), configured.gyroscope->noise_sd, "gyr");
+  expect_white(residual(ours, recording->mag_uT, &RawSample::mag_uT), configured.magnetometer->noise_sd, "mag");
 }
 
 INSTANTIATE_TEST_SUITE_P(ExactReference, CleanCase, ::testing::Values("005", "006", "032", "035"));
