@@ -1,0 +1,76 @@
+/// `stillpoint diagnose`: locates, names and models the physics that a simulation left out of a recording.
+#include <fmt/format.h>
+
+#include <cstdio>
+#include <fstream>
+
+#include "apps/stillpoint/commands.h"
+#include "diagnosis/diagnose.h"
+#include "diagnosis/summary.h"
+#include "io/recording.h"
+#include "io/simulation_yaml.h"
+
+namespace stillpoint::app {
+namespace {
+
+struct Options {
+  std::string simulation, recording, json, improved, validate;
+  bool fail_on_mismatch = false;
+};
+
+Result<void> write_text(const std::string& path, const std::string& text) {
+  if (path == "-") {
+    std::fwrite(text.data(), 1, text.size(), stdout);
+    return {};
+  }
+  std::ofstream file(path);
+  file << text;
+  file.flush();
+  if (!file) return fail(ErrorKind::kCannotCreate, path + ": cannot be written; check the folder and the disk");
+  return {};
+}
+
+int run_diagnose(const Options& o) {
+  const auto simulation = io::read_simulation(o.simulation);
+  if (!simulation) return report(simulation.error());
+  const auto recording = io::read_recording(o.recording, io::OnMalformedRow::kCount);
+  if (!recording) return report(recording.error());
+  diag::Answer answer = diag::diagnose(*recording, *simulation);
+  for (const auto& line : io::describe(recording->issues)) answer.diagnosis.notices.push_back(line);
+  const bool quiet = o.json == "-";
+  if (!quiet) std::fputs(diag::to_text(answer.diagnosis).c_str(), stdout);
+  sim::SimulationConfig improved = *simulation;
+  improved.effects.insert(improved.effects.end(), answer.effects.begin(), answer.effects.end());
+  if (!quiet && !answer.effects.empty()) {
+    std::puts("\nBlock for the simulation:\neffects:");
+    for (const auto& e : answer.effects) std::printf("  - %s\n", io::format_effect(e).c_str());
+  }
+  if (!o.improved.empty())
+    if (const auto done = io::write_simulation(improved, o.improved); !done) return report(done.error());
+  if (!o.validate.empty()) {
+    const auto other = io::read_recording(o.validate, io::OnMalformedRow::kCount);
+    if (!other) return report(other.error());
+    const diag::Answer before = diag::diagnose(*other, *simulation), after = diag::diagnose(*other, improved);
+    std::fprintf(quiet ? stderr : stdout, "\nVALIDATE %s: before: %s  after: %s\n", o.validate.c_str(),
+                 before.diagnosis.summary.c_str(), after.diagnosis.summary.c_str());
+  }
+  if (!o.json.empty())
+    if (const auto done = write_text(o.json, diag::to_json(answer.diagnosis)); !done) return report(done.error());
+  return o.fail_on_mismatch && !answer.diagnosis.findings.empty() ? static_cast<int>(ErrorKind::kThreshold) : 0;
+}
+
+}  // namespace
+
+void add_diagnose(CLI::App& app, Run& run) {
+  auto* command = app.add_subcommand("diagnose", "Name the physics that a simulation left out of a recording");
+  static Options o;
+  command->add_option("--simulation", o.simulation, "the baseline (YAML)")->required();
+  command->add_option("--recording", o.recording, "the recording to explain (CSV)")->required();
+  command->add_option("--json", o.json, "write the answer as JSON; - for standard output and nothing else there");
+  command->add_option("--improved", o.improved, "write the simulation with the found physics in it (YAML)");
+  command->add_option("--validate", o.validate, "judge the improved simulation on another recording (CSV)");
+  command->add_flag("--fail-on-mismatch", o.fail_on_mismatch, "exit with 1 when something is found");
+  command->callback([&run] { run = [] { return run_diagnose(o); }; });
+}
+
+}  // namespace stillpoint::app

@@ -1,0 +1,131 @@
+#include "diagnosis/diagnose.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "diagnosis/findings.h"
+#include "diagnosis/forensics.h"
+#include "diagnosis/given_effects.h"
+#include "diagnosis/sanity.h"
+#include "diagnosis/summary.h"
+#if __has_include("diagnosis/no_reference.h")
+#include "diagnosis/no_reference.h"
+#endif
+
+namespace stillpoint::diag {
+namespace {
+
+constexpr double kShortest_s = 20.0;
+
+Answer insufficient(std::string why, Answer answer = {}) {
+  answer.diagnosis.verdict = Verdict::kInsufficientData;
+  answer.diagnosis.summary = "Cannot decide: " + why;
+  answer.diagnosis.notices.push_back(std::move(why));
+  return answer;
+}
+
+/// White noise of a sensor at rest against the configured one: differences of neighbours do not see the reference.
+void compare_noise(const Signals& s, Answer& answer) {
+  for (int k = 0; k < kSensors; ++k) {
+    if (!s.present[k] || s.noise_sd[k] <= 0) continue;
+    for (int axis = 0; axis < 3; ++axis) {
+      double sum = 0.0;
+      int count = 0;
+      for (Eigen::Index i = 1; i < s.n; ++i) {
+        const auto at = static_cast<std::size_t>(i);
+        if (!s.rest[at] || !s.rest[at - 1] || s.muted[k][at] || s.muted[k][at - 1]) continue;
+        const double d = s.reading[k](i, axis) - s.reading[k](i - 1, axis);
+        sum += 0.5 * d * d;
+        ++count;
+      }
+      if (count < 200) continue;
+      const double measured = std::sqrt(sum / count), ratio = measured / s.noise_sd[k];
+      if (ratio < 0.75 || ratio > 1.3)
+        answer.diagnosis.noise.push_back(
+            {fmt::format("{}_{}", kSensorName[static_cast<std::size_t>(k)], kAxisName[static_cast<std::size_t>(axis)]),
+             s.noise_sd[k], measured});
+    }
+  }
+}
+
+/// What the forensics found mutes what follows: a quantised sensor at rest shows its lattice, not its physics.
+std::array<Mask, kSensors> masks(const Forensics& forensics, const io::Recording& recording) {
+  std::array<Mask, kSensors> out;
+  for (std::size_t k = 0; k < kSensors; ++k) out[k] = forensics.sensor[k].muted;
+  (void)recording;
+  return out;
+}
+
+void mute_lattice_at_rest(Signals& s, const Forensics& forensics) {
+  for (std::size_t k = 0; k < kSensors; ++k) {
+    if (!s.present[k] || !forensics.sensor[k].quantised) continue;
+    for (std::size_t i = 0; i < s.rest.size(); ++i)
+      if (s.rest[i]) s.muted[k][i] = 1;
+  }
+}
+
+Verdict verdict_of(const Diagnosis& d) {
+  std::size_t unknown = 0;
+  for (const Finding& f : d.findings) unknown += f.effect.rfind("unknown", 0) == 0 ? 1 : 0;
+  if (d.findings.empty()) return Verdict::kNoMismatch;
+  if (unknown == 0) return Verdict::kExplained;
+  return unknown == d.findings.size() ? Verdict::kUnexplained : Verdict::kPartlyExplained;
+}
+
+}  // namespace
+
+Answer diagnose(const io::Recording& recording, const sim::SimulationConfig& given) {
+  sim::SimulationConfig simulation = given;
+  Answer answer;
+  if (recording.size() < 20) return insufficient("the recording has fewer than 20 rows; record at least a minute");
+  const Sanity sanity = check_input(recording, simulation);
+  answer.diagnosis.notices = sanity.notices;
+  const Forensics forensics = examine_raw_values(recording, simulation);
+  for (const auto& n : forensics.notices) answer.diagnosis.notices.push_back(n);
+  if (sanity.nothing_usable)
+    return insufficient(sanity.notices.empty() ? "nothing in the recording can be used" : sanity.notices.front(),
+                        std::move(answer));
+  if (sanity.unusable[kAcc]) simulation.accelerometer.reset();
+  if (sanity.unusable[kGyr]) simulation.gyroscope.reset();
+  if (sanity.unusable[kMag]) simulation.magnetometer.reset();
+  if (recording.ref_q_world_body.empty() || sanity.reference_unusable) {
+#if __has_include("diagnosis/no_reference.h")
+    answer.diagnosis = diagnose_without_reference(recording, simulation);
+    answer.diagnosis.notices.insert(answer.diagnosis.notices.begin(), sanity.notices.begin(), sanity.notices.end());
+    return answer;
+#else
+    return insufficient("the recording has no usable reference orientation", std::move(answer));
+#endif
+  }
+  Result<Signals> made = make_signals(recording, simulation, masks(forensics, recording));
+  if (!made) return insufficient(made.error().message, std::move(answer));
+  Signals& s = *made;
+  if (s.duration_s() < kShortest_s)
+    return insufficient(
+        fmt::format("{:.1f} s of recording are too short; record at least {:.0f} s", s.duration_s(), kShortest_s),
+        std::move(answer));
+  for (const std::string& id : subtract_effects(s, simulation.effects))
+    answer.diagnosis.notices.push_back(
+        fmt::format("effect {} of the simulation cannot be predicted from the recording; left in", id));
+  mute_lattice_at_rest(s, forensics);
+  const EngineResult engine = search_all(s);
+  answer.diagnosis.findings = forensics.findings;
+  const std::size_t kept = answer.diagnosis.findings.size();
+  for (const Sensor k : {kAcc, kGyr, kMag})
+    if (engine.sensor[k]) report_sensor(s, engine, k, simulation.effects, answer);
+  std::stable_sort(answer.diagnosis.findings.begin() + static_cast<std::ptrdiff_t>(kept),
+                   answer.diagnosis.findings.end(),
+                   [](const Finding& a, const Finding& b) { return a.held_out.gain_nats > b.held_out.gain_nats; });
+  compare_noise(s, answer);
+  for (const auto& n : s.notices) answer.diagnosis.notices.push_back(n);
+  std::sort(answer.diagnosis.ranking.begin(), answer.diagnosis.ranking.end(),
+            [](const RankedHypothesis& a, const RankedHypothesis& b) { return a.gain_nats > b.gain_nats; });
+  answer.diagnosis.abstention_nats = charge(3, {}) + 3.0;
+  answer.diagnosis.verdict = verdict_of(answer.diagnosis);
+  answer.diagnosis.summary = summarise(answer.diagnosis);
+  return answer;
+}
+
+}  // namespace stillpoint::diag

@@ -1,0 +1,82 @@
+#include "diagnosis/engine.h"
+
+#include <cmath>
+
+namespace stillpoint::diag {
+namespace {
+
+constexpr int kMostEffects = 3;  // of one sensor
+constexpr double kClearNats = 3.0;
+
+bool concerns_the_clock(const Found& f) {
+  return f.kind == Kind::kTiming &&
+         (f.id.find("delay") != std::string::npos || f.id == "sys_gap" || f.id == "sys_skew");
+}
+
+/// The same timing law with the same numbers in another sensor.
+std::optional<Series3> same_offset(const Signals& s, Sensor sensor, const Found& f) {
+  const std::string id = f.id.rfind("sys_", 0) == 0 ? f.id : std::string(kSensorName[sensor]) + "_delay";
+  for (const TimingLaw& law : make_timing_laws(s, sensor, f.window.begin))
+    if (law.id == id) return law.delta(f.timing);
+  return std::nullopt;
+}
+
+/// Whether the other sensors confirm it; takes the offset out of them when they do.
+bool joins_all(const Signals& s, EngineResult& r, Sensor lead, Found& f, std::vector<Sensor>& sensors) {
+  std::array<std::optional<Series3>, kSensors> offsets;
+  double total = 0.0;
+  for (const Sensor other : {kAcc, kGyr, kMag}) {
+    if (other == lead || !r.sensor[other]) continue;
+    offsets[other] = same_offset(s, other, f);
+    if (offsets[other]) total += gain_of_offset(*r.sensor[other], *offsets[other]);
+  }
+  const bool must_be_common = f.id.rfind("sys_", 0) == 0;
+  if (total < (must_be_common ? -kClearNats : kClearNats)) return false;
+  for (const Sensor other : {kAcc, kGyr, kMag}) {
+    if (!offsets[other]) continue;
+    r.sensor[other]->target.residual -= *offsets[other];
+    sensors.push_back(other);
+  }
+  if (!must_be_common) f.id = "sys_offset";
+  return true;
+}
+
+}  // namespace
+
+EngineResult search_all(const Signals& s) {
+  EngineResult r;
+  std::array<bool, kSensors> open{};
+  for (const Sensor k : {kAcc, kGyr, kMag}) {
+    if (!s.present[k] || s.residual[k].rows() == 0) continue;
+    r.sensor[k] = start_search(s, k);
+    open[k] = r.sensor[k]->target.layout.used() > 200;
+  }
+  for (int round = 0; round < kMostEffects; ++round) {
+    std::array<std::optional<Found>, kSensors> next;
+    for (const Sensor k : {kAcc, kGyr, kMag})
+      if (open[k]) next[k] = next_effect(s, *r.sensor[k]);
+    // The sensor that sees a clock effect best speaks for it.
+    int lead = -1;
+    for (int k = 0; k < kSensors; ++k)
+      if (next[k] && concerns_the_clock(*next[k]) && (lead < 0 || next[k]->gain_nats > next[lead]->gain_nats)) lead = k;
+    std::array<bool, kSensors> again{};
+    if (lead >= 0) {
+      std::vector<Sensor> sensors{static_cast<Sensor>(lead)};
+      const bool common = joins_all(s, r, static_cast<Sensor>(lead), *next[lead], sensors);
+      if (common) {
+        r.system.push_back({*next[lead], static_cast<Sensor>(lead), sensors});
+        for (const Sensor k : sensors) again[k] = k != lead;
+      }
+    }
+    for (const Sensor k : {kAcc, kGyr, kMag}) {
+      if (again[k]) continue;  // its residual has changed: look afresh in the next round
+      if (!next[k])
+        open[k] = false;
+      else
+        accept(*r.sensor[k], *next[k]);
+    }
+  }
+  return r;
+}
+
+}  // namespace stillpoint::diag

@@ -1,0 +1,45 @@
+/// The hypotheses: what each effect of docs/physics.md predicts for one sensor's residual, as columns with units.
+/// Each law is linear in its coefficients for a given `shape` (a time constant, a level); filters are refined apart
+/// (timing.h).
+#pragma once
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "diagnosis/regression.h"
+
+namespace stillpoint::diag {
+
+enum class Kind {
+  kNamed,          ///< an effect of the catalogue
+  kUnknown,        ///< a product of drivers outside the catalogue
+  kConfiguration,  ///< a wrong number in the simulation, not missing physics
+  kTiming,         ///< a delay or filter: its linear form here only finds it, timing.h names it
+};
+
+enum class Extent { kAny, kStep, kWhole };  ///< may be local in time; must be (a constant would be the offset); never
+
+struct Law {
+  std::string id;
+  Kind kind = Kind::kNamed;
+  Extent extent = Extent::kAny;
+  std::vector<double> shapes{0.0};
+  std::string shape_name, shape_unit;  ///< empty: the law has no inner parameter
+  std::function<Columns(double shape)> columns;
+  std::vector<std::string> coefficients;  ///< names, one a column
+  std::string unit, equation, driver;
+};
+
+/// Every law of one sensor whose drivers the recording holds. The columns refer to `s`, which must outlive them.
+[[nodiscard]] std::vector<Law> make_laws(const Signals& s, Sensor sensor);
+/// Products of drivers outside the catalogue, about a hundred a sensor.
+[[nodiscard]] std::vector<Law> make_unknown_laws(const Signals& s, Sensor sensor);
+
+/// One column an axis, each with its own coefficient: k o x.
+[[nodiscard]] Columns diagonal(const Series3& x);
+/// A full 3x3 matrix of coefficients times x, row-major.
+[[nodiscard]] Columns matrix_of(const Series3& x);
+/// One scalar driver with a coefficient an axis.
+[[nodiscard]] Columns on_each_axis(const Series& x);
+
+}  // namespace stillpoint::diag

@@ -1,0 +1,125 @@
+#include "diagnosis/timing.h"
+
+#include <cmath>
+
+#include "diagnosis/response.h"
+
+namespace stillpoint::diag {
+namespace {
+
+constexpr int kGaussNewtonSteps = 6;
+
+Series3 quiet_at_rest(const Signals& s, Series3 x) {
+  for (Eigen::Index i = 0; i < s.n; ++i)
+    if (s.rest[static_cast<std::size_t>(i)]) x.row(i).setZero();
+  return x;
+}
+
+/// What a sensor with this response shows beyond the truth. When the truth is the sensor itself (a noisy reference),
+/// the response is undone instead: u - u / h.
+Series3 beyond_truth(const Signals& s, Sensor k, const Response& h) {
+  const bool from_truth = s.exact_reference || k == kMag;
+  const Response low = low_pass(std::min(10.0, 0.2 / s.dt_s));
+  const Response gain = from_truth ? Response([h](double f) { return h(f) - 1.0; })
+                                   : Response([h, low](double f) { return (1.0 - 1.0 / h(f)) * low(f); });
+  return quiet_at_rest(s, apply_response(s.vector[k], s.dt_s, gain));
+}
+
+Series3 skewed(const Signals& s, Sensor k, double epsilon) {
+  // true(t + epsilon t) to second order in the shift, which stays below a sample or two
+  const Series3 first = derivative(s.vector[k], s.dt_s), second = second_derivative(s.vector[k], s.dt_s);
+  const Series shift = epsilon * s.t_s;
+  const double sign = s.exact_reference || k == kMag ? 0.5 : -0.5;
+  return quiet_at_rest(s, shift.asDiagonal() * first + sign * (shift.cwiseAbs2().asDiagonal() * second));
+}
+
+TimingLaw one_number(std::string id, std::string name, std::string unit, std::string equation, std::string driver,
+                     std::vector<double> starts, std::function<Series3(double)> delta) {
+  TimingLaw law{
+      std::move(id), {std::move(name)}, {std::move(unit)}, std::move(equation), std::move(driver), {}, {}, {}};
+  for (const double x : starts) law.starts.push_back(Eigen::VectorXd::Constant(1, x));
+  law.possible = [](const Eigen::VectorXd&) { return true; };
+  law.delta = [delta = std::move(delta)](const Eigen::VectorXd& p) { return delta(p[0]); };
+  return law;
+}
+
+}  // namespace
+
+std::vector<TimingLaw> make_timing_laws(const Signals& s, Sensor k, Eigen::Index gap_begin) {
+  const std::string prefix = std::string(kSensorName[k]) + "_";
+  std::vector<TimingLaw> laws;
+  laws.push_back(one_number(prefix + "delay", "tau", "s", "u(t) = true(t - tau)",
+                            "first derivative of the measured vector", {0.0},
+                            [&s, k](double tau) { return beyond_truth(s, k, delay_response(tau)); }));
+  if (k != kMag) {
+    TimingLaw filter =
+        one_number(prefix + "lpf", "tau", "s", "u = true / (1 + s tau)", "first derivative of the measured vector",
+                   {1e-3}, [&s, k](double tau) { return beyond_truth(s, k, first_order_response(tau)); });
+    filter.possible = [](const Eigen::VectorXd& p) { return p[0] > 1e-5 && p[0] < 0.2; };
+    laws.push_back(std::move(filter));
+    TimingLaw resonance{prefix + "resonance",
+                        {"f_n", "zeta"},
+                        {"Hz", "1"},
+                        "u = w^2 / (s^2 + 2 zeta w s + w^2) true, w = 2 pi f_n",
+                        "second derivative of the measured vector",
+                        {},
+                        {},
+                        {}};
+    for (const double f : {15.0, 30.0}) resonance.starts.push_back(Eigen::Vector2d(std::min(f, 0.4 / s.dt_s), 0.1));
+    const double lowest = 6.0;
+    resonance.possible = [lowest](const Eigen::VectorXd& p) {
+      return p[0] > lowest && p[0] < 2000 && p[1] > 0.0 && p[1] < 0.5;
+    };
+    resonance.delta = [&s, k](const Eigen::VectorXd& p) { return beyond_truth(s, k, resonance_response(p[0], p[1])); };
+    if (k == kAcc) laws.push_back(std::move(resonance));
+  }
+  if (gap_begin > 0) {
+    TimingLaw gap = one_number("sys_gap", "shift", "s", "u(t) = true(t - n/fs) from t0 on",
+                               "first derivative of the measured vector", {}, [&s, k, gap_begin](double tau) {
+                                 Series3 d = beyond_truth(s, k, delay_response(tau));
+                                 d.topRows(gap_begin).setZero();
+                                 return d;
+                               });
+    for (int n : {-3, -2, -1, 1, 2, 3}) gap.starts.push_back(Eigen::VectorXd::Constant(1, n * s.dt_s));
+    laws.push_back(std::move(gap));
+  }
+  laws.push_back(one_number("sys_skew", "epsilon", "1", "u(t) = true(t (1 + epsilon))",
+                            "time times the first derivative", {0.0}, [&s, k](double e) { return skewed(s, k, e); }));
+  return laws;
+}
+
+TimingFit fit_timing(const Target& target, const Columns& explained, const NoiseModel& noise, const TimingLaw& law) {
+  const std::array<double, 3> no_walk{};
+  const double before = fit_with(target, explained, noise, no_walk).log_likelihood;
+  TimingFit best;
+  for (const Eigen::VectorXd& start : law.starts) {
+    Eigen::VectorXd p = start;
+    double reached = -1e300;
+    for (int step = 0; step < kGaussNewtonSteps; ++step) {
+      const Series3 delta = law.delta(p);
+      Columns columns = explained, tangent;
+      for (Eigen::Index j = 0; j < p.size(); ++j) {
+        Eigen::VectorXd moved = p;
+        const double h = 1e-3 * std::abs(p[j]) + 1e-6;
+        moved[j] += h;
+        tangent.push_back({-1, (law.delta(moved) - delta) / h});
+      }
+      columns.insert(columns.end(), tangent.begin(), tangent.end());
+      Target shifted = target;
+      shifted.residual = target.residual - delta;
+      const double here = fit_with(shifted, explained, noise, no_walk).log_likelihood;
+      if (here - before > best.gain_nats) best = {p, tangent, delta, here - before};
+      if (step > 0 && here < reached + 1e-3) break;
+      reached = here;
+      const Fit fit = fit_with(shifted, columns, noise, no_walk);
+      Eigen::VectorXd update = fit.theta.tail(p.size());
+      double damping = 1.0;
+      while (damping > 1e-3 && !law.possible(p + damping * update)) damping *= 0.5;
+      if (!law.possible(p + damping * update)) break;
+      p += damping * update;
+    }
+  }
+  return best;
+}
+
+}  // namespace stillpoint::diag
