@@ -24,7 +24,8 @@ using Code = eprosima::fastrtps::types::ReturnCode_t;
 // The default of 4 is the number of participants of one machine that find each other by unicast; the fifth is silently
 // alone.
 constexpr std::uint32_t kParticipantsPerMachine = 50;
-constexpr std::uint32_t kSocketBuffer_bytes = 1U << 20U;  // some 2000 attitudes: half a second at 4 kHz
+constexpr std::int32_t kLease_s = 5, kAnnouncement_s = 1;  // Fast DDS: 20 and 3
+constexpr std::uint32_t kSocketBuffer_bytes = 1U << 20U;   // some 2000 attitudes: half a second at 4 kHz
 constexpr std::uint32_t kSharedSegment_bytes = 2U << 20U;
 
 /// Standard output belongs to the program (`--json -`), so the library's complaints go to standard error.
@@ -66,6 +67,10 @@ dds::DomainParticipantQos participant_qos(const DdsParams& params, const std::st
   dds::DomainParticipantQos qos = dds::PARTICIPANT_QOS_DEFAULT;
   qos.name(name.c_str());
   qos.transport().use_builtin_transports = false;
+  // A killed peer keeps its shared memory port until its lease ends, and its successor on that port gets nothing until
+  // then.
+  qos.wire_protocol().builtin.discovery_config.leaseDuration = {kLease_s, 0};
+  qos.wire_protocol().builtin.discovery_config.leaseDuration_announcementperiod = {kAnnouncement_s, 0};
   if (transport == "shm") {
     auto memory = std::make_shared<rtps::SharedMemTransportDescriptor>();
     memory->segment_size(kSharedSegment_bytes);

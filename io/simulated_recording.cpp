@@ -1,5 +1,8 @@
 #include "io/simulated_recording.h"
 
+#include <algorithm>
+#include <cmath>
+
 namespace stillpoint::io {
 namespace {
 
@@ -8,6 +11,14 @@ void append_triad(const Array3& value, const RawSample& s, SamplePart part, std:
   if (!s.holds(part) && column.empty()) return;
   column.resize(rows - 1, Vec3::Constant(kMissing));
   column.push_back(s.holds(part) ? Vec3(vec(value)) : Vec3::Constant(kMissing));
+}
+
+bool has_reference(const Recording& r, std::size_t row) { return r.ref_q_world_body[row].allFinite(); }
+
+double start_of_reference_s(const Recording& r) {
+  for (std::size_t i = 0; i < r.ref_q_world_body.size(); ++i)
+    if (has_reference(r, i)) return r.t_s(i);
+  return r.size() > 0 ? r.t_s(0) : 0.0;
 }
 
 }  // namespace
@@ -32,6 +43,38 @@ Recording to_recording(const std::vector<sim::SimulatedSample>& rows) {
   out.header["source"] = "stillpoint simulate";
   out.header["world_frame"] = "ENU";
   for (const auto& row : rows) append(row, out);
+  return out;
+}
+
+sim::ReferenceTrack reference_track(const Recording& r) {
+  sim::ReferenceTrack track;
+  const bool told = std::any_of(r.ref_moving.begin(), r.ref_moving.end(), [](double m) { return m == 0.0; });
+  const double start_s = start_of_reference_s(r);
+  for (std::size_t i = 0; i < r.ref_q_world_body.size(); ++i) {
+    const bool placed = r.ref_position_m.empty() || r.ref_position_m[i].allFinite();
+    if (!has_reference(r, i) || !placed || r.ref_q_world_body[i].norm() < 0.5) continue;
+    const auto& q = r.ref_q_world_body[i];
+    track.t_s.push_back(r.t_s(i) - start_s);
+    track.q_world_body.emplace_back(q[0], q[1], q[2], q[3]);
+    if (!r.ref_position_m.empty()) track.position_m.push_back(r.ref_position_m[i]);
+    if (told) track.moving.push_back(r.ref_moving[i] != 0.0);
+  }
+  return track;
+}
+
+sim::RecordedEnvironment recorded_environment(const Recording& r) {
+  sim::RecordedEnvironment out;
+  const double start_s = start_of_reference_s(r);
+  const auto take = [&](const std::vector<double>& column, sim::TimeSeries& to) {
+    for (std::size_t i = 0; i < column.size(); ++i) {
+      if (!std::isfinite(column[i])) continue;
+      to.t_s.push_back(r.t_s(i) - start_s);
+      to.value.push_back(column[i]);
+    }
+  };
+  take(r.temp_degC, out.temp_degC);
+  take(r.current_A, out.current_A);
+  take(r.supply_V, out.supply_V);
   return out;
 }
 

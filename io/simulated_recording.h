@@ -3,6 +3,7 @@
 #include <string>
 
 #include "io/recording.h"
+#include "simulation/recorded_motion.h"
 #include "simulation/simulator.h"
 
 namespace stillpoint::io {
@@ -12,5 +13,11 @@ namespace stillpoint::io {
 void append(const sim::SimulatedSample& row, Recording& to);
 
 [[nodiscard]] Recording to_recording(const std::vector<sim::SimulatedSample>& rows);
+
+/// Reference columns as a track for sim::RecordedMotion; rows without a reference orientation are left out.
+[[nodiscard]] sim::ReferenceTrack reference_track(const Recording& recording);
+
+/// Measured temperature, current and supply, on the clock of that track.
+[[nodiscard]] sim::RecordedEnvironment recorded_environment(const Recording& recording);
 
 }  // namespace stillpoint::io

@@ -95,6 +95,8 @@ void check_effect(const YAML::Node& entry, const EffectConfig& e, YamlFaults& fa
     if (const auto it = e.parameters.find("n"); it != e.parameters.end())
       if (it->second[0] != std::floor(it->second[0]) || it->second[0] < 1 || it->second[0] > 1e6)
         faults.add(entry["n"], "'n' must be a whole number of samples, at least 1");
+  if (const auto it = e.parameters.find("zeta"); it != e.parameters.end() && it->second[0] >= 1.0)
+    faults.add(entry["zeta"], "'zeta' must be below 1: beyond it nothing resonates, use a low-pass");
   if (const auto it = e.parameters.find("fraction");
       it != e.parameters.end() && (it->second[0] < 0 || it->second[0] > 1))
     faults.add(entry["fraction"], "'fraction' must be between 0 and 1");

@@ -12,7 +12,7 @@
 
 namespace stillpoint::sim {
 
-/// One triad as configured, in the unit of the reading. The noise is added to u, the corrected reading.
+/// One triad as configured, in the unit of the reading. The noise is added to y, the reading.
 struct TriadConfig {
   Vec3 bias = Vec3::Zero();
   Mat3 matrix = Mat3::Identity();

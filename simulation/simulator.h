@@ -1,6 +1,6 @@
 /// The simulated sensor: motion and surroundings in, readings out, one row at a time and without allocation, so that
 /// the daemon can use it as its source. In physical order: force, rate and field at the place; the element and its
-/// laws; filters; noise; y = H^-1 u + B; clipping and quantisation; clock and transport.
+/// laws; filters; y = H^-1 u + B; noise; clipping and quantisation; clock and transport.
 #pragma once
 #include <cstdint>
 #include <memory>

@@ -84,7 +84,7 @@ Vec3 Triad::element(const Vec3& at_place, const Instant& now, double step_s) noe
 
 Vec3 Triad::reading(const Vec3& filtered, const Instant& now, double row_step_s) noexcept {
   const double t = now.t_s;
-  Vec3 u = filtered + noise_.next();
+  Vec3 u = filtered;
   const auto add = [&](const ActiveEffect& effect, const Vec3& delta) {
     if (effect.active(t)) u += effect.axes.cwiseProduct(delta);
   };
@@ -96,7 +96,7 @@ Vec3 Triad::reading(const Vec3& filtered, const Instant& now, double row_step_s)
   for (auto& d : drift_) add(d, d.noise.next());
   for (auto& i : instability_) add(i, i.noise.next());
   for (auto& f : flip_) add(f, row_ % 2 == 0 ? f.values.vec3(0) : Vec3(-f.values.vec3(0)));
-  return digital(clipped(inverse_ * u + bias_, t, false), t);
+  return digital(clipped(inverse_ * u + bias_ + noise_.next(), t, false), t);
 }
 
 Vec3 Triad::digital(Vec3 y, double t_s) noexcept {

@@ -1,4 +1,4 @@
-/// One simulated triad from the element to the wire: element laws, filters, noise, y = H^-1 u + B, clipping,
+/// One simulated triad from the element to the wire: element laws, filters, y = H^-1 u + B, noise, clipping,
 /// quantisation.
 #pragma once
 #include <cstdint>
@@ -21,9 +21,12 @@ struct ActiveEffect {
   explicit ActiveEffect(const EffectConfig& effect);
   [[nodiscard]] bool active(double t_s) const noexcept { return t_s >= from_s && t_s <= to_s; }
   [[nodiscard]] bool on(int axis, double t_s) const noexcept { return axes[axis] != 0.0 && active(t_s); }
-  /// `changed` on the effect's axes while it is active, else `plain`.
+  /// `changed` on the effect's axes while it is active, else `plain`; no arithmetic, so that repeats stay exact.
   [[nodiscard]] Vec3 choose(const Vec3& changed, const Vec3& plain, double t_s) const noexcept {
-    return active(t_s) ? Vec3(plain + axes.cwiseProduct(changed - plain)) : plain;
+    Vec3 out = plain;
+    for (int i = 0; i < 3; ++i)
+      if (on(i, t_s)) out[i] = changed[i];
+    return out;
   }
 };
 

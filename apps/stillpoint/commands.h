@@ -22,6 +22,8 @@ void add_calibrate(CLI::App& app, Run& run);
 void add_check(CLI::App& app, Run& run);
 void add_diagnose(CLI::App& app, Run& run);
 void add_noise(CLI::App& app, Run& run);
+void add_record(CLI::App& app, Run& run);
 void add_simulate(CLI::App& app, Run& run);
+void add_watch(CLI::App& app, Run& run);
 
 }  // namespace stillpoint::app

@@ -10,7 +10,9 @@ int main(int argc, char** argv) {
   app::add_check(cli, run);
   app::add_diagnose(cli, run);
   app::add_noise(cli, run);
+  app::add_record(cli, run);
   app::add_simulate(cli, run);
+  app::add_watch(cli, run);
   try {
     cli.parse(argc, argv);
   } catch (const CLI::ParseError& e) {

@@ -1,26 +1,99 @@
-/// `stillpoint simulate`: the recording a simulated sensor would give, and what was applied to it.
+/// `stillpoint simulate`: the recording a simulated sensor would give, and the truth of what was applied to it.
+#include <fstream>
+#include <nlohmann/json.hpp>
+
 #include "apps/stillpoint/commands.h"
 #include "io/simulated_recording.h"
 #include "io/simulation_yaml.h"
+#include "simulation/strength.h"
 
 namespace stillpoint::app {
 namespace {
+
+using Json = nlohmann::ordered_json;
 
 struct Options {
   std::string simulation, output, truth, motion;
   std::uint64_t seed = 1;
 };
 
+struct Scene {
+  std::shared_ptr<const sim::Motion> motion;
+  sim::RecordedEnvironment environment;
+};
+
+Result<Scene> scene_of(const Options& o, const sim::SimulationConfig& config) {
+  if (o.motion.empty() && !config.motion)
+    return fail(ErrorKind::kBadConfig, o.simulation +
+                                           ":1:1: no 'motion:' block; add one such as motion: {kind: hand, "
+                                           "duration_s: 130}, or give --motion REC.csv");
+  if (o.motion.empty()) return Scene{sim::make_motion(*config.motion, o.seed), {}};
+  const auto recording = io::read_recording(o.motion);
+  if (!recording) return tl::unexpected(recording.error());
+  auto motion = sim::RecordedMotion::from(io::reference_track(*recording));
+  if (!motion) return fail(motion.error().kind, o.motion + ": " + motion.error().message);
+  return Scene{std::move(*motion), io::recorded_environment(*recording)};
+}
+
+Json triad_json(const std::optional<sim::TriadConfig>& t) {
+  if (!t) return nullptr;
+  return {{"bias", array(t->bias)}, {"matrix", array(t->matrix)}, {"noise_sd", t->noise_sd}};
+}
+
+Json effect_json(const sim::EffectConfig& e, const sim::EffectStrength& s) {
+  Json out{{"effect", e.id}};
+  for (const auto& [key, values] : e.parameters)
+    out["parameters"][key] = values.size() == 1 ? Json(values[0]) : Json(values);
+  if (!e.axes.empty()) out["axes"] = e.axes;
+  if (e.window_s) out["window_s"] = {e.window_s->first, e.window_s->second};
+  constexpr const char* kNames[] = {"acc", "gyr", "mag"};
+  for (std::size_t i = 0; i < 3; ++i)
+    out["strength"][kNames[i]] = {{"rms_over_noise", s.sensor[i].rms_over_noise}, {"d_prime", s.sensor[i].d_prime}};
+  return out;
+}
+
+/// Spans in which the body moved.
+Json bouts_json(const std::vector<sim::SimulatedSample>& rows) {
+  Json out = Json::array();
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    if (!rows[i].moving || (i > 0 && rows[i - 1].moving)) continue;
+    std::size_t last = i;
+    while (last + 1 < rows.size() && rows[last + 1].moving) ++last;
+    out.push_back(
+        {1e-9 * static_cast<double>(rows[i].sample.t_ns), 1e-9 * static_cast<double>(rows[last].sample.t_ns)});
+  }
+  return out;
+}
+
+int write_truth(const Options& o, const sim::SimulationConfig& config, const Scene& scene,
+                const std::vector<sim::SimulatedSample>& rows) {
+  const auto strengths = sim::effect_strengths(config, scene.motion, o.seed, scene.environment);
+  Json truth{{"schema", "stillpoint.truth/1"}, {"seed", o.seed}, {"reference", config.reference.kind}};
+  truth["effects"] = Json::array();
+  for (std::size_t k = 0; k < strengths.size(); ++k)
+    truth["effects"].push_back(effect_json(config.effects[k], strengths[k]));
+  truth["accelerometer"] = triad_json(config.accelerometer);
+  truth["gyroscope"] = triad_json(config.gyroscope);
+  truth["magnetometer"] = triad_json(config.magnetometer);
+  truth["gravity_mps2"] = config.gravity_mps2;
+  truth["field_world_uT"] = array(config.field_world_uT);
+  truth["bouts"] = bouts_json(rows);
+  truth["simulation"] = io::format_simulation(config);
+  std::ofstream file(o.truth, std::ios::binary);
+  if (file) file << truth.dump(1) << '\n' << std::flush;
+  if (!file) return report({ErrorKind::kCannotCreate, o.truth + ": cannot be written; does the folder exist?"});
+  return 0;
+}
+
 int simulate(const Options& o) {
   const auto config = io::read_simulation(o.simulation);
   if (!config) return report(config.error());
-  if (!config->motion)
-    return report({ErrorKind::kBadConfig, o.simulation +
-                                              ":1:1: no 'motion:' block; add one such as "
-                                              "motion: {kind: hand, duration_s: 130}, or give --motion REC.csv"});
-  const auto recording = io::to_recording(sim::simulate(*config, o.seed));
-  if (const auto written = io::write_recording(recording, o.output); !written) return report(written.error());
-  return 0;
+  const auto scene = scene_of(o, *config);
+  if (!scene) return report(scene.error());
+  const auto rows = sim::simulate(*config, scene->motion, o.seed, scene->environment);
+  if (const auto written = io::write_recording(io::to_recording(rows), o.output); !written)
+    return report(written.error());
+  return o.truth.empty() ? 0 : write_truth(o, *config, *scene, rows);
 }
 
 }  // namespace
@@ -30,7 +103,9 @@ void add_simulate(CLI::App& app, Run& run) {
   static Options o;
   command->add_option("--simulation", o.simulation, "simulation YAML")->required();
   command->add_option("--output", o.output, "recording to write (.csv)")->required();
-  command->add_option("--seed", o.seed, "seed of all random streams");
+  command->add_option("--truth", o.truth, "write what was applied, with the strength of each effect (.json)");
+  command->add_option("--seed", o.seed, "seed of all random streams; 1 unless given");
+  command->add_option("--motion", o.motion, "take motion and surroundings from this recording's columns (.csv)");
   command->callback([&run] { run = [] { return simulate(o); }; });
 }
 

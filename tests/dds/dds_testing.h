@@ -70,6 +70,57 @@ inline AttitudeMessage attitude_message(std::uint64_t k) {
   return m;
 }
 
+inline RawSample raw_sample(std::uint64_t k) {
+  const double x = static_cast<double>(k);
+  RawSample s{.t_ns = 1'000'000'000LL + static_cast<std::int64_t>(k) * 1'000'000,
+              .sequence = k,
+              .acc_mps2 = {0.1 + x / 3, -9.80665, 1e-17},
+              .gyr_radps = {x / 7, -x / 7, 0.3},
+              .mag_uT = {},
+              .temp_degC = 20.0 + 1e-6 * x,
+              .has = kAcc | kGyr | kTemp};
+  if (k % 5 != 0) return s;  // the magnetometer is slower
+  s.mag_uT = {20.1, x / 11, -43.7};
+  s.has = static_cast<std::uint8_t>(s.has | kMag);
+  return s;
+}
+
+inline CalibrationMessage calibration_message() {
+  CalibrationMessage m;
+  m.snapshot.version = 7;
+  m.snapshot.t_ns = 123;
+  double next = 0.5;
+  for (TriadCalibration* c : {&m.snapshot.acc, &m.snapshot.gyr, &m.snapshot.mag}) {
+    for (auto* values : {&c->bias, &c->bias_per_K, &c->bias_per_K2})
+      for (double& x : *values) x = next += 0.25;
+    for (auto* values : {&c->matrix, &c->bias_covariance})
+      for (double& x : *values) x = next += 0.25;
+    c->temp_min_degC = next += 0.25;
+    c->temp_max_degC = next += 0.25;
+    c->norm_sd = next += 0.25;
+    c->windows = static_cast<std::uint32_t>(next * 4);
+  }
+  m.snapshot.acc.status = CalibrationStatus::kOk;
+  m.snapshot.gyr.status = CalibrationStatus::kNotObservable;
+  m.sensor_id = "bmi270:42";
+  m.reasons = {"", "the rotations seen lie around one axis", "no magnetometer"};
+  return m;
+}
+
+inline DiagnosticsMessage diagnostics_message() {
+  DiagnosticsMessage m;
+  m.uptime_s = 12.5;
+  m.rate_hz = 199.5;
+  m.samples = 2500;
+  m.status = AttitudeStatus::kOk;
+  m.message = "running";
+  m.last_refusal = "turning at 0.6 deg/s";
+  m.latency_counts[40] = 90;
+  m.latency_counts[400] = 10;
+  m.latency_max_ns = 1'500'000;
+  return m;
+}
+
 /// All that the pipeline computes, as bits: equal if and only if the attitudes are the same to the last bit. The two
 /// times of the machine's clock are left out.
 inline std::vector<std::uint64_t> bits(const AttitudeMessage& m) {

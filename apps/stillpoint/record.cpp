@@ -1,0 +1,118 @@
+/// `stillpoint record`: writes what the sensor of a running daemon gives into a recording.
+#include <chrono>
+#include <mutex>
+#include <thread>
+#include <vector>
+
+#include "apps/stillpoint/commands.h"
+#include "apps/stillpoint/dds_options.h"
+#include "io/dds_subscriber.h"
+#include "io/recording_stream.h"
+
+namespace stillpoint::app {
+namespace {
+
+struct RecordOptions {
+  io::DdsParams dds;
+  std::string output;
+  double seconds = 0.0;  ///< 0: until interrupted
+  double timeout_s = 10.0;
+};
+
+/// Readings on their way from the DDS thread to the file.
+class Inbox {
+ public:
+  void put(const RawSample& sample) {
+    const std::lock_guard lock(mutex_);
+    samples_.push_back(sample);
+  }
+  void take_all(std::vector<RawSample>& out) {
+    out.clear();
+    const std::lock_guard lock(mutex_);
+    std::swap(out, samples_);
+  }
+
+ private:
+  std::mutex mutex_;
+  std::vector<RawSample> samples_;
+};
+
+struct Written {
+  std::uint64_t lost = 0;
+  std::int64_t first_ns = 0;
+  RawSample last;
+};
+
+Result<void> append_all(const std::vector<RawSample>& batch, io::RecordingStream& stream, Written& written) {
+  for (const RawSample& sample : batch) {
+    if (stream.rows() == 0)
+      written.first_ns = sample.t_ns;
+    else if (sample.sequence > written.last.sequence + 1)
+      written.lost += sample.sequence - written.last.sequence - 1;
+    if (auto done = stream.append(sample); !done) return done;
+    written.last = sample;
+  }
+  return batch.empty() ? Result<void>{} : stream.flush();
+}
+
+int finish(const RecordOptions& options, const io::RecordingStream& stream, const Written& written, bool matched) {
+  if (stream.rows() == 0) {
+    std::remove(options.output.c_str());
+    return report({ErrorKind::kUnavailable, nothing_arrives(options.dds, options.dds.raw_topic, matched)});
+  }
+  std::fprintf(stderr, "%s: %llu rows, %.1f s, %llu lost on the way\n", options.output.c_str(),
+               static_cast<unsigned long long>(stream.rows()),
+               1e-9 * static_cast<double>(written.last.t_ns - written.first_ns),
+               static_cast<unsigned long long>(written.lost));
+  return 0;
+}
+
+int record(const RecordOptions& options) {
+  auto stream = io::RecordingStream::create(
+      options.output, {{"source", "stillpointd, topic " + options.dds.raw_topic}, {"world_frame", "ENU"}});
+  if (!stream) return report(stream.error());
+  Inbox inbox;
+  const auto subscriber = io::DdsSubscriber::create(
+      options.dds, {.raw = [&inbox](const RawSample& sample, std::int64_t) { inbox.put(sample); }});
+  if (!subscriber) {
+    std::remove(options.output.c_str());
+    return report(subscriber.error());
+  }
+  stop_on_signals();
+  using Clock = std::chrono::steady_clock;
+  const auto seconds_since = [](Clock::time_point t) {
+    return std::chrono::duration<double>(Clock::now() - t).count();
+  };
+  const auto start = Clock::now();
+  auto first_row = start;
+  Written written;
+  std::vector<RawSample> batch;
+  bool more = true;
+  while (more) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(50));
+    more = !stop_asked() && (stream->rows() == 0 ? seconds_since(start) < options.timeout_s
+                                                 : options.seconds <= 0 || seconds_since(first_row) < options.seconds);
+    inbox.take_all(batch);
+    if (stream->rows() == 0 && !batch.empty()) {
+      first_row = Clock::now();
+      more = !stop_asked();
+    }
+    if (auto done = append_all(batch, *stream, written); !done) return report(done.error());
+  }
+  return finish(options, *stream, written, (*subscriber)->publishers() > 0);
+}
+
+}  // namespace
+
+void add_record(CLI::App& app, Run& run) {
+  auto* command = app.add_subcommand("record", "Write what a running daemon's sensor gives into a recording");
+  static RecordOptions options;
+  add_dds_options(*command, options.dds);
+  command->add_option("--output", options.output, "recording to write (.csv)")->required();
+  command->add_option("--seconds", options.seconds, "end after this time; otherwise on Ctrl-C");
+  command->add_option("--timeout", options.timeout_s, "how long to wait for the first reading, s")
+      ->capture_default_str();
+  command->callback([&run] { run = [] { return record(options); }; });
+}
+
+}  // namespace stillpoint::app

@@ -1,0 +1,117 @@
+/// `stillpoint watch`: the live attitude, calibration and latency of a running daemon, in the terminal or as JSON.
+#include <time.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <fstream>
+#include <thread>
+
+#include "apps/stillpoint/commands.h"
+#include "apps/stillpoint/dds_options.h"
+#include "apps/stillpoint/watch_model.h"
+#include "io/dds_subscriber.h"
+
+namespace stillpoint::app {
+namespace {
+
+struct WatchOptions {
+  io::DdsParams dds;
+  bool once = false;
+  std::string json;      ///< path, "-" for standard output, empty for text
+  double seconds = 0.0;  ///< 0: until interrupted; with once 1 s
+  double timeout_s = 10.0;
+};
+
+std::int64_t monotonic_ns() {
+  timespec now{};
+  clock_gettime(CLOCK_MONOTONIC, &now);
+  return std::int64_t{now.tv_sec} * 1'000'000'000 + now.tv_nsec;
+}
+
+/// Sleeps in short steps until the condition holds, the time is up or a signal came. True: the condition holds.
+template <class Condition>
+bool wait_for(double seconds, const Condition& condition) {
+  const std::int64_t end_ns = monotonic_ns() + static_cast<std::int64_t>(1e9 * seconds);
+  while (!condition()) {
+    if (stop_asked() || monotonic_ns() >= end_ns) return false;
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+  }
+  return true;
+}
+
+int print(const WatchState& state, const std::string& json_path) {
+  if (json_path.empty()) {
+    std::fputs(text_view(state).c_str(), stdout);
+  } else if (json_path == "-") {
+    std::printf("%s\n", json_view(state).dump().c_str());
+  } else {
+    std::ofstream file(json_path);
+    file << json_view(state).dump(2) << '\n';
+    if (!file.flush())
+      return report({ErrorKind::kCannotCreate, json_path + ": cannot be written; does the folder exist?"});
+  }
+  std::fflush(stdout);
+  return 0;
+}
+
+int watch_once(const WatchOptions& options, const WatchModel& model, const io::DdsSubscriber& subscriber) {
+  const auto arrived = [&model] { return model.state(monotonic_ns()).received > 0; };
+  if (!wait_for(options.timeout_s, arrived))
+    return report({ErrorKind::kUnavailable,
+                   nothing_arrives(options.dds, options.dds.attitude_topic, subscriber.publishers() > 0)});
+  wait_for(options.seconds > 0 ? options.seconds : 1.0, [] { return false; });
+  return print(model.state(monotonic_ns()), options.json);
+}
+
+int watch_live(const WatchOptions& options, const WatchModel& model, const io::DdsSubscriber& subscriber) {
+  const bool terminal = options.json.empty() && isatty(STDOUT_FILENO) != 0;
+  const double step_s = terminal ? 0.2 : 1.0;
+  const std::int64_t start_ns = monotonic_ns();
+  bool told = false;
+  while (!stop_asked()) {
+    wait_for(step_s, [] { return false; });
+    const std::int64_t now_ns = monotonic_ns();
+    const WatchState state = model.state(now_ns);
+    if (state.received == 0) {
+      if (!told && now_ns - start_ns > 1'000'000'000) {
+        std::fprintf(stderr, "stillpoint: waiting: %s\n",
+                     nothing_arrives(options.dds, options.dds.attitude_topic, subscriber.publishers() > 0).c_str());
+        told = true;
+      }
+    } else {
+      if (terminal) std::fputs("\033[H\033[2J", stdout);
+      if (const int code = print(state, options.json); code != 0) return code;
+    }
+    if (options.seconds > 0 && 1e-9 * static_cast<double>(now_ns - start_ns) >= options.seconds) break;
+  }
+  if (model.state(monotonic_ns()).received > 0 || options.seconds <= 0) return 0;
+  return report(
+      {ErrorKind::kUnavailable, nothing_arrives(options.dds, options.dds.attitude_topic, subscriber.publishers() > 0)});
+}
+
+int watch(const WatchOptions& options) {
+  WatchModel model;
+  const auto subscriber = io::DdsSubscriber::create(
+      options.dds, {.attitude = [&model](const AttitudeMessage& m, std::int64_t t_ns) { model.take(m, t_ns); },
+                    .calibration = [&model](const CalibrationMessage& m) { model.take(m); },
+                    .diagnostics = [&model](const DiagnosticsMessage& m) { model.take(m); }});
+  if (!subscriber) return report(subscriber.error());
+  stop_on_signals();
+  return options.once ? watch_once(options, model, **subscriber) : watch_live(options, model, **subscriber);
+}
+
+}  // namespace
+
+void add_watch(CLI::App& app, Run& run) {
+  auto* command = app.add_subcommand("watch", "Show the live attitude, calibration and latency of a running daemon");
+  static WatchOptions options;
+  add_dds_options(*command, options.dds);
+  command->add_flag("--once", options.once, "print one state and end; exit code 69 when no daemon is there");
+  command->add_option("--json", options.json, "write JSON instead of text to this file, - for standard output");
+  command->add_option("--seconds", options.seconds, "end after this time; with --once the time measured over (1)");
+  command->add_option("--timeout", options.timeout_s, "with --once: how long to wait for a daemon, s")
+      ->capture_default_str();
+  command->callback([&run] { run = [] { return watch(options); }; });
+}
+
+}  // namespace stillpoint::app

@@ -1,0 +1,48 @@
+/// What `stillpoint watch` knows about a daemon from its messages, and the two ways to show it.
+#pragma once
+#include <cstdint>
+#include <deque>
+#include <mutex>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+
+#include "core/attitude_message.h"
+
+namespace stillpoint::app {
+
+/// A whole copy of the knowledge at one instant.
+struct WatchState {
+  std::optional<AttitudeMessage> attitude;
+  std::optional<CalibrationMessage> calibration;
+  std::optional<DiagnosticsMessage> diagnostics;
+  std::uint64_t received = 0;
+  std::uint64_t lost = 0;      ///< attitudes published but not received, by their sequence
+  std::uint64_t restarts = 0;  ///< the sequence began anew
+  double rate_hz = 0.0;        ///< over the last second
+  double age_s = 0.0;          ///< since the last attitude
+  LatencyCounts
+      latency_counts{};  ///< arrival at the daemon to this process; publish to this process where that is unknown
+  std::int64_t latency_max_ns = 0;
+};
+
+/// Filled by the DDS threads, read by the view.
+class WatchModel {
+ public:
+  void take(const AttitudeMessage& message, std::int64_t t_receive_ns);
+  void take(const CalibrationMessage& message);
+  void take(const DiagnosticsMessage& message);
+  [[nodiscard]] WatchState state(std::int64_t now_ns) const;
+
+ private:
+  mutable std::mutex mutex_;
+  WatchState state_;
+  std::deque<std::int64_t> last_second_ns_;  ///< times of receipt
+};
+
+/// Several lines for a person, in degrees.
+[[nodiscard]] std::string text_view(const WatchState& state);
+/// For scripts: SI and radians, null where there is no value.
+[[nodiscard]] nlohmann::json json_view(const WatchState& state);
+
+}  // namespace stillpoint::app

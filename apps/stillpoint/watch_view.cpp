@@ -1,0 +1,179 @@
+/// The two faces of a WatchState: text for the terminal, JSON for scripts.
+#include <fmt/format.h>
+
+#include <array>
+#include <cmath>
+
+#include "apps/stillpoint/watch_model.h"
+#include "core/units.h"
+
+namespace stillpoint::app {
+namespace {
+
+constexpr std::array kSensorName{"acc", "gyr", "mag"};
+constexpr std::array kSensorUnit{"m/s^2", "deg/s", "uT"};
+
+const char* word(AttitudeStatus status) {
+  constexpr std::array words{"initializing", "ok", "degraded", "stale"};
+  const auto i = static_cast<std::size_t>(status);
+  return i < words.size() ? words[i] : "unknown";
+}
+const char* word(HeadingReference reference) {
+  constexpr std::array words{"relative", "magnetic", "true"};
+  const auto i = static_cast<std::size_t>(reference);
+  return i < words.size() ? words[i] : "unknown";
+}
+const char* word(CalibrationStatus status) {
+  constexpr std::array words{"factory", "ok",    "too_few_windows", "not_observable", "not_positive_definite",
+                             "clipped", "stuck", "replaced"};
+  const auto i = static_cast<std::size_t>(status);
+  return i < words.size() ? words[i] : "unknown";
+}
+
+/// Roll, pitch, yaw (rad) in the order z, y, x of REP-103; yaw 0 is east, counter-clockwise positive.
+Vec3 roll_pitch_yaw(const std::array<double, 4>& xyzw) {
+  const auto [x, y, z, w] = xyzw;
+  return {std::atan2(2 * (w * x + y * z), 1 - 2 * (x * x + y * y)),
+          std::asin(std::clamp(2 * (w * y - z * x), -1.0, 1.0)),
+          std::atan2(2 * (w * z + x * y), 1 - 2 * (y * y + z * z))};
+}
+
+double percentile_us(const LatencyCounts& counts, double p) {
+  return 1e-3 * static_cast<double>(latency_percentile_ns(counts, p));
+}
+
+Array3 bias_sd(const TriadCalibration& c) {
+  return {std::sqrt(c.bias_covariance[0]), std::sqrt(c.bias_covariance[4]), std::sqrt(c.bias_covariance[8])};
+}
+
+std::array<const TriadCalibration*, 3> triads(const CalibrationSnapshot& s) { return {&s.acc, &s.gyr, &s.mag}; }
+
+/// JSON knows no NaN.
+nlohmann::json number(double x) { return std::isfinite(x) ? nlohmann::json(x) : nlohmann::json(nullptr); }
+template <std::size_t N>
+nlohmann::json numbers(const std::array<double, N>& values) {
+  auto list = nlohmann::json::array();
+  for (const double x : values) list.push_back(number(x));
+  return list;
+}
+
+std::string calibration_lines(const CalibrationMessage& message) {
+  std::string out = fmt::format("calibration {}  sensor {}\n", message.snapshot.version,
+                                message.sensor_id.empty() ? "-" : message.sensor_id);
+  const auto sensors = triads(message.snapshot);
+  for (std::size_t i = 0; i < 3; ++i) {
+    const TriadCalibration& c = *sensors[i];
+    const double scale = i == 1 ? kDegPerRad : 1.0;
+    const Array3 sd = bias_sd(c);
+    out += fmt::format(
+        "  {}  {:<22} bias {:8.4f} {:8.4f} {:8.4f} +- {:.4f} {:.4f} {:.4f} {}  windows {}  {:.0f}..{:.0f} degC\n",
+        kSensorName[i], word(c.status), scale * c.bias[0], scale * c.bias[1], scale * c.bias[2], scale * sd[0],
+        scale * sd[1], scale * sd[2], kSensorUnit[i], c.windows, c.temp_min_degC, c.temp_max_degC);
+    if (!message.reasons[i].empty()) out += fmt::format("       {}\n", message.reasons[i]);
+  }
+  return out;
+}
+
+nlohmann::json calibration_json(const CalibrationMessage& message) {
+  auto sensors = nlohmann::json::array();
+  const auto all = triads(message.snapshot);
+  for (std::size_t i = 0; i < 3; ++i) {
+    const TriadCalibration& c = *all[i];
+    sensors.push_back({{"sensor", kSensorName[i]},
+                       {"status", word(c.status)},
+                       {"reason", message.reasons[i]},
+                       {"windows", c.windows},
+                       {"bias", numbers(c.bias)},
+                       {"bias_per_K", numbers(c.bias_per_K)},
+                       {"bias_per_K2", numbers(c.bias_per_K2)},
+                       {"bias_sd", numbers(bias_sd(c))},
+                       {"matrix", numbers(c.matrix)},
+                       {"norm_sd", number(c.norm_sd)},
+                       {"temp_ref_degC", number(c.temp_ref_degC)},
+                       {"temp_range_degC", numbers(std::array{c.temp_min_degC, c.temp_max_degC})}});
+  }
+  return {{"version", message.snapshot.version}, {"sensor_id", message.sensor_id}, {"sensors", sensors}};
+}
+
+nlohmann::json attitude_json(const AttitudeMessage& m) {
+  return {{"t_ns", m.t_ns},
+          {"sequence", m.sequence},
+          {"orientation_xyzw", numbers(m.q_world_body_xyzw)},
+          {"roll_pitch_yaw_rad", numbers(array(roll_pitch_yaw(m.q_world_body_xyzw)))},
+          {"sigma_rpy_rad", numbers(m.sigma_rpy_rad)},
+          {"orientation_covariance_rad2", numbers(m.orientation_covariance_rad2)},
+          {"rate_radps", numbers(m.rate_radps)},
+          {"gyro_bias_radps", numbers(m.gyro_bias_radps)},
+          {"at_rest", m.at_rest},
+          {"status", word(m.status)},
+          {"heading_reference", word(m.heading_reference)},
+          {"temperature_degC", number(m.temp_degC)},
+          {"calibration_version", m.calibration_version}};
+}
+
+nlohmann::json diagnostics_json(const DiagnosticsMessage& d) {
+  return {{"uptime_s", number(d.uptime_s)},
+          {"rate_hz", number(d.rate_hz)},
+          {"expected_rate_hz", number(d.expected_rate_hz)},
+          {"samples", d.samples},
+          {"clipped", d.clipped},
+          {"refused", d.refused},
+          {"longest_gap_s", number(d.longest_gap_s)},
+          {"write_failures", d.write_failures},
+          {"message", d.message},
+          {"last_refusal", d.last_refusal},
+          {"processing_us",
+           {{"p50", percentile_us(d.latency_counts, 0.5)},
+            {"p99", percentile_us(d.latency_counts, 0.99)},
+            {"max", 1e-3 * static_cast<double>(d.latency_max_ns)}}}};
+}
+
+}  // namespace
+
+std::string text_view(const WatchState& s) {
+  if (!s.attitude) return {};
+  const AttitudeMessage& m = *s.attitude;
+  const Vec3 rpy = kDegPerRad * roll_pitch_yaw(m.q_world_body_xyzw);
+  const auto& sigma = m.sigma_rpy_rad;
+  std::string out =
+      fmt::format("t {:.2f} s   {}   {}   heading {}   {}\n", 1e-9 * static_cast<double>(m.t_ns), word(m.status),
+                  m.at_rest ? "AT REST" : "moving ", word(m.heading_reference),
+                  std::isfinite(m.temp_degC) ? fmt::format("{:.1f} degC", m.temp_degC) : "no temperature");
+  out += fmt::format("roll {:8.2f}  pitch {:8.2f}  yaw {:8.2f} deg     sigma {:.2f} {:.2f} {:.2f} deg\n", rpy.x(),
+                     rpy.y(), rpy.z(), kDegPerRad * sigma[0], kDegPerRad * sigma[1], kDegPerRad * sigma[2]);
+  out += fmt::format("rate {:8.2f} {:8.2f} {:8.2f} deg/s      gyro bias left {:.3f} {:.3f} {:.3f} deg/s\n",
+                     kDegPerRad * m.rate_radps[0], kDegPerRad * m.rate_radps[1], kDegPerRad * m.rate_radps[2],
+                     kDegPerRad * m.gyro_bias_radps[0], kDegPerRad * m.gyro_bias_radps[1],
+                     kDegPerRad * m.gyro_bias_radps[2]);
+  if (s.calibration) out += calibration_lines(*s.calibration);
+  out += fmt::format("received {} at {:.1f} Hz   lost {}   source gaps {}   dropped {}\n", s.received, s.rate_hz,
+                     s.lost, m.gaps, m.dropped);
+  out += fmt::format("latency p50 {:.0f} us  p99 {:.0f} us  max {:.0f} us\n", percentile_us(s.latency_counts, 0.5),
+                     percentile_us(s.latency_counts, 0.99), 1e-3 * static_cast<double>(s.latency_max_ns));
+  if (s.diagnostics && !s.diagnostics->last_refusal.empty())
+    out += fmt::format("rest refused: {}\n", s.diagnostics->last_refusal);
+  if (s.age_s > 1.0) out += fmt::format("NO NEW ATTITUDE for {:.1f} s\n", s.age_s);
+  return out;
+}
+
+nlohmann::json json_view(const WatchState& s) {
+  nlohmann::json out{{"schema", "stillpoint.watch/1"},
+                     {"received", s.received},
+                     {"lost", s.lost},
+                     {"restarts", s.restarts},
+                     {"rate_hz", number(s.rate_hz)},
+                     {"age_s", number(s.age_s)},
+                     {"latency_us",
+                      {{"p50", percentile_us(s.latency_counts, 0.5)},
+                       {"p90", percentile_us(s.latency_counts, 0.9)},
+                       {"p99", percentile_us(s.latency_counts, 0.99)},
+                       {"max", 1e-3 * static_cast<double>(s.latency_max_ns)}}}};
+  out["attitude"] = s.attitude ? attitude_json(*s.attitude) : nlohmann::json(nullptr);
+  out["source_gaps"] = s.attitude ? nlohmann::json(s.attitude->gaps) : nlohmann::json(nullptr);
+  out["dropped"] = s.attitude ? nlohmann::json(s.attitude->dropped) : nlohmann::json(nullptr);
+  out["calibration"] = s.calibration ? calibration_json(*s.calibration) : nlohmann::json(nullptr);
+  out["diagnostics"] = s.diagnostics ? diagnostics_json(*s.diagnostics) : nlohmann::json(nullptr);
+  return out;
+}
+
+}  // namespace stillpoint::app

@@ -1,0 +1,153 @@
+#include "simulation/recorded_motion.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace stillpoint::sim {
+namespace {
+
+using Span = std::pair<std::size_t, std::size_t>;  // first and last sample
+
+constexpr double kWindow_s = 0.5;  // stillness is judged over this time
+constexpr double kShortestRest_s = 1.0;
+constexpr double kRestWeight = 100.0;   // a rest's mean is known far better than one sample
+constexpr double kBridgeWeight = 1e-3;  // pseudo-samples in a gap only keep the curve from swinging
+constexpr double kGap_s = 0.5;
+constexpr double kStillest_rad = 0.01, kStillest_m = 0.003;  // no rest is noisier than this
+
+double median_step(const std::vector<double>& t_s) {
+  std::vector<double> steps(t_s.size() - 1);
+  for (std::size_t i = 1; i < t_s.size(); ++i) steps[i - 1] = t_s[i] - t_s[i - 1];
+  std::nth_element(steps.begin(), steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 2), steps.end());
+  return steps[steps.size() / 2];
+}
+
+/// Largest distance from sample i within half a window on either side, rotation (rad) and translation (m).
+std::pair<double, double> spread(const ReferenceTrack& track, std::size_t i) {
+  double turn = 0.0, shift = 0.0;
+  const auto look = [&](std::size_t j) {
+    turn = std::max(turn, track.q_world_body[i].angularDistance(track.q_world_body[j]));
+    if (!track.position_m.empty()) shift = std::max(shift, (track.position_m[i] - track.position_m[j]).norm());
+  };
+  for (std::size_t j = i; j-- > 0 && track.t_s[i] - track.t_s[j] <= 0.5 * kWindow_s;) look(j);
+  for (std::size_t j = i + 1; j < track.t_s.size() && track.t_s[j] - track.t_s[i] <= 0.5 * kWindow_s; ++j) look(j);
+  return {turn, shift};
+}
+
+/// Still samples: within three times the spread of the stillest tenth of the recording, which is the reference's noise
+/// where there is rest at all, and never beyond the absolute limits.
+std::vector<bool> recognise_rest(const ReferenceTrack& track) {
+  const std::size_t n = track.t_s.size();
+  std::vector<double> turn(n), shift(n);
+  for (std::size_t i = 0; i < n; ++i) std::tie(turn[i], shift[i]) = spread(track, i);
+  const auto limit = [n](std::vector<double> values, double most) {
+    std::nth_element(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(n / 10), values.end());
+    return std::min(most, std::max(3.0 * values[n / 10], 1e-5));
+  };
+  const double turn_limit = limit(turn, kStillest_rad), shift_limit = limit(shift, kStillest_m);
+  std::vector<bool> still(n);
+  for (std::size_t i = 0; i < n; ++i) still[i] = turn[i] <= turn_limit && shift[i] <= shift_limit;
+  return still;
+}
+
+std::vector<Span> rest_spans(const ReferenceTrack& track) {
+  std::vector<bool> still = track.moving.empty() ? recognise_rest(track) : track.moving;
+  if (!track.moving.empty()) still.flip();
+  std::vector<Span> spans;
+  for (std::size_t i = 0; i < still.size(); ++i) {
+    if (!still[i]) continue;
+    std::size_t last = i;
+    while (last + 1 < still.size() && still[last + 1] && track.t_s[last + 1] - track.t_s[last] < kGap_s) ++last;
+    if (track.t_s[last] - track.t_s[i] >= kShortestRest_s) spans.emplace_back(i, last);
+    i = last;
+  }
+  return spans;
+}
+
+/// Every sample of a rest takes the rest's mean.
+template <int Columns>
+void flatten(CurveSamples<Columns>& curve, const std::vector<Span>& rests) {
+  for (const auto& [first, last] : rests) {
+    Eigen::Matrix<double, Columns, 1> mean = Eigen::Matrix<double, Columns, 1>::Zero();
+    for (std::size_t i = first; i <= last; ++i) mean += curve.value[i];
+    mean /= static_cast<double>(last - first + 1);
+    for (std::size_t i = first; i <= last; ++i) {
+      curve.value[i] = mean;
+      curve.weight[i] = kRestWeight;
+    }
+  }
+}
+
+/// Pseudo-samples of little weight on a smooth way across each gap.
+template <int Columns>
+CurveSamples<Columns> bridged(const CurveSamples<Columns>& in, double step_s) {
+  CurveSamples<Columns> out;
+  const auto add = [&out](double t, double weight, const auto& value) {
+    out.t_s.push_back(t);
+    out.weight.push_back(weight);
+    out.value.push_back(value);
+  };
+  for (std::size_t i = 0; i < in.t_s.size(); ++i) {
+    if (i > 0 && in.t_s[i] - in.t_s[i - 1] > kGap_s) {
+      const double length = in.t_s[i] - in.t_s[i - 1];
+      for (double t = step_s; t < length - 0.5 * step_s; t += step_s) {
+        const double share = smooth_step({t / length, 0.0, 0.0}).x;
+        add(in.t_s[i - 1] + t, kBridgeWeight, in.value[i - 1] + share * (in.value[i] - in.value[i - 1]));
+      }
+    }
+    add(in.t_s[i], in.weight[i], in.value[i]);
+  }
+  return out;
+}
+
+}  // namespace
+
+Result<std::unique_ptr<Motion>> RecordedMotion::from(ReferenceTrack track) {
+  const std::size_t n = track.t_s.size();
+  if (n < 10) return fail(ErrorKind::kBadData, "fewer than ten rows with a reference orientation: no motion to take");
+  CurveSamples<4> turns;
+  CurveSamples<3> places;
+  for (std::size_t i = 0; i < n; ++i) {
+    Eigen::Vector4d q = track.q_world_body[i].normalized().coeffs();
+    if (i > 0 && q.dot(turns.value.back()) < 0.0) q = -q;
+    turns.value.push_back(q);
+    places.value.push_back(track.position_m.empty() ? Vec3::Zero() : track.position_m[i]);
+    turns.t_s.push_back(track.t_s[i] - track.t_s[0]);
+  }
+  turns.weight.assign(n, 1.0);
+  places.t_s = turns.t_s;
+  places.weight = turns.weight;
+  const auto rests = rest_spans(track);
+  flatten(turns, rests);
+  flatten(places, rests);
+  return std::unique_ptr<Motion>(
+      new RecordedMotion(std::move(turns), std::move(places), rests, median_step(track.t_s)));
+}
+
+RecordedMotion::RecordedMotion(CurveSamples<4> turns, CurveSamples<3> places, std::vector<Span> rests, double step_s)
+    : duration_s_(turns.t_s.back() + step_s),
+      orientation_(bridged(turns, step_s), step_s),
+      position_(bridged(places, step_s), step_s) {
+  for (const auto& [first, last] : rests) {
+    const double from_s = turns.t_s[first], to_s = turns.t_s[last];
+    orientation_.hold(from_s, to_s, turns.value[first]);
+    position_.hold(from_s, to_s, places.value[first]);
+    // Three knots inside either end nothing but held coefficients acts.
+    rests_s_.emplace_back(from_s + 3.0 * step_s, to_s - 3.0 * step_s);
+  }
+}
+
+MotionState RecordedMotion::at(double t_s) const noexcept {
+  const auto q = orientation_.at(t_s);
+  const auto p = position_.at(t_s);
+  const auto after = std::upper_bound(rests_s_.begin(), rests_s_.end(), t_s,
+                                      [](double t, const auto& rest) { return t < rest.first; });
+  const bool still = after != rests_s_.begin() && t_s <= (after - 1)->second;
+  const Taylor scale = rsqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]);
+  MotionState s = motion_state({p}, {scale * q[3], scale * q[0], scale * q[1], scale * q[2]}, !still);
+  if (!still) return s;
+  s.velocity_mps = s.acceleration_mps2 = s.rate_radps = s.angular_acceleration_radps2 = Vec3::Zero();
+  return s;
+}
+
+}  // namespace stillpoint::sim

@@ -1,0 +1,236 @@
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <filesystem>
+#include <fstream>
+#include <mutex>
+#include <nlohmann/json.hpp>
+
+#include "io/dds_publisher.h"
+#include "io/dds_subscriber.h"
+#include "io/recording.h"
+#include "tests/dds/dds_testing.h"
+#include "tests/dds/process.h"
+
+namespace stillpoint {
+namespace {
+
+using test::attitude_message;
+using test::eventually;
+using test::Process;
+using test::test_params;
+using Clock = std::chrono::steady_clock;
+
+std::string domain() { return std::to_string(test_params().domain); }
+
+TEST(DdsPeers, ALateSubscriberGetsTheLatestCalibrationAndDiagnosticsAtOnce) {
+  test::use_the_transport_inside_the_process();
+  auto publisher = io::DdsPublisher::create(test_params());
+  ASSERT_TRUE(publisher) << publisher.error().message;
+  CalibrationMessage old = test::calibration_message();
+  old.snapshot.version = 1;
+  ASSERT_TRUE((*publisher)->publish_calibration(old));
+  ASSERT_TRUE((*publisher)->publish_calibration(test::calibration_message()));
+  ASSERT_TRUE((*publisher)->publish_diagnostics(test::diagnostics_message()));
+
+  std::mutex mutex;
+  std::vector<CalibrationMessage> calibrations;
+  std::vector<DiagnosticsMessage> diagnostics;
+  const auto late = io::DdsSubscriber::create(test_params(), {.calibration =
+                                                                  [&](const CalibrationMessage& m) {
+                                                                    const std::lock_guard lock(mutex);
+                                                                    calibrations.push_back(m);
+                                                                  },
+                                                              .diagnostics =
+                                                                  [&](const DiagnosticsMessage& m) {
+                                                                    const std::lock_guard lock(mutex);
+                                                                    diagnostics.push_back(m);
+                                                                  }});
+  ASSERT_TRUE(late) << late.error().message;
+  ASSERT_TRUE(eventually([&] {
+    const std::lock_guard lock(mutex);
+    return !calibrations.empty() && !diagnostics.empty();
+  }));
+  const std::lock_guard lock(mutex);
+  const auto expected = test::calibration_message();
+  ASSERT_EQ(calibrations.size(), 1U) << "the calibration before the latest is history";
+  EXPECT_EQ(calibrations[0].snapshot.version, expected.snapshot.version);
+  EXPECT_EQ(calibrations[0].reasons, expected.reasons);
+  EXPECT_EQ(calibrations[0].sensor_id, expected.sensor_id);
+  EXPECT_EQ(calibrations[0].snapshot.mag.bias_covariance, expected.snapshot.mag.bias_covariance);
+  EXPECT_EQ(calibrations[0].snapshot.gyr.matrix, expected.snapshot.gyr.matrix);
+  EXPECT_EQ(calibrations[0].snapshot.gyr.status, CalibrationStatus::kNotObservable);
+  EXPECT_EQ(calibrations[0].snapshot.acc.bias_per_K2, expected.snapshot.acc.bias_per_K2);
+  EXPECT_EQ(calibrations[0].snapshot.acc.windows, expected.snapshot.acc.windows);
+  EXPECT_EQ(diagnostics[0].latency_counts, test::diagnostics_message().latency_counts);
+  EXPECT_EQ(diagnostics[0].latency_max_ns, test::diagnostics_message().latency_max_ns);
+  EXPECT_EQ(diagnostics[0].last_refusal, "turning at 0.6 deg/s");
+}
+
+TEST(DdsPeers, TheReliableReadingsOfAnotherProcessAllArriveInOrder) {
+  constexpr std::uint64_t kSamples = 2000;  // 2 s at 1 kHz
+  std::mutex mutex;
+  std::vector<RawSample> received;
+  const auto subscriber = io::DdsSubscriber::create(test_params(), {.raw = [&](const RawSample& s, std::int64_t) {
+                                                      const std::lock_guard lock(mutex);
+                                                      received.push_back(s);
+                                                    }});
+  ASSERT_TRUE(subscriber) << subscriber.error().message;
+  Process peer({DDS_PEER, "publish", domain(), "udp", "2.5", "1000"});
+  ASSERT_TRUE(peer.started());
+  EXPECT_EQ(peer.wait(), 0);
+  const std::lock_guard lock(mutex);
+  ASSERT_FALSE(received.empty());
+  // The match takes a moment; from the first one on, nothing may be missing.
+  const std::uint64_t first = received.front().sequence;
+  EXPECT_GT(received.size() + first, kSamples);
+  for (std::size_t i = 0; i < received.size(); ++i) {
+    const RawSample expected = test::raw_sample(first + i);
+    ASSERT_EQ(received[i].sequence, first + i);
+    ASSERT_EQ(received[i].t_ns, expected.t_ns);
+    ASSERT_EQ(received[i].acc_mps2, expected.acc_mps2);
+    ASSERT_EQ(received[i].mag_uT, expected.mag_uT);
+    ASSERT_EQ(received[i].has, expected.has);
+  }
+}
+
+TEST(DdsPeers, EightSubscribersOnOneMachineAllGetTheAttitude) {
+  test::use_the_transport_inside_the_process();
+  auto publisher = io::DdsPublisher::create(test_params());
+  ASSERT_TRUE(publisher) << publisher.error().message;
+  constexpr std::size_t kSubscribers = 8;
+  std::array<std::atomic<int>, kSubscribers> received{};
+  std::vector<std::unique_ptr<io::DdsSubscriber>> subscribers;
+  for (auto& count : received) {
+    auto subscriber = io::DdsSubscriber::create(
+        test_params(), {.attitude = [&count](const AttitudeMessage&, std::int64_t) { ++count; }});
+    ASSERT_TRUE(subscriber) << subscriber.error().message;
+    subscribers.push_back(std::move(*subscriber));
+  }
+  ASSERT_TRUE(eventually([&] { return (*publisher)->attitude_subscribers() == static_cast<int>(kSubscribers); }))
+      << (*publisher)->attitude_subscribers() << " matched";
+  std::uint64_t k = 0;
+  EXPECT_TRUE(eventually([&] {
+    (*publisher)->publish(attitude_message(k++));
+    return std::all_of(received.begin(), received.end(), [](const auto& n) { return n > 0; });
+  }));
+}
+
+/// Seconds that 3000 writes took.
+double time_to_publish(io::DdsPublisher& publisher) {
+  const auto start = Clock::now();
+  for (std::uint64_t k = 0; k < 3000; ++k) publisher.publish(attitude_message(k));
+  return std::chrono::duration<double>(Clock::now() - start).count();
+}
+
+class BrokenSubscriber : public testing::TestWithParam<const char*> {};
+
+TEST_P(BrokenSubscriber, StoppedOrKilledDoesNotDelayThePublisher) {
+  auto publisher = io::DdsPublisher::create(test_params(GetParam()));
+  ASSERT_TRUE(publisher) << publisher.error().message;
+  const auto start_subscriber = [&] {
+    auto peer = std::make_unique<Process>(std::vector<std::string>{DDS_PEER, "subscribe", domain(), GetParam(), "30"});
+    EXPECT_TRUE(eventually([&] { return (*publisher)->attitude_subscribers() == 1; }));
+    peer->some_output();  // it has matched too
+    return peer;
+  };
+  auto peer = start_subscriber();
+  time_to_publish(**publisher);
+  const double healthy_s = time_to_publish(**publisher);
+  peer->send(SIGSTOP);
+  const double stopped_s = time_to_publish(**publisher);
+  peer->send(SIGKILL);
+  const double killed_s = time_to_publish(**publisher);
+  peer.reset();
+  // A stopped reader costs less or the same; ten times leaves room for a machine that is busy with other tests. A
+  // writer that waits for its reader takes 100 ms a write, thousands of times as long.
+  EXPECT_LT(stopped_s, 10 * healthy_s);
+  EXPECT_LT(killed_s, 10 * healthy_s);
+
+  // The next subscriber is served too: over shm once the lease of the killed one (5 s) has ended.
+  Process next({DDS_PEER, "subscribe", domain(), GetParam(), "20"});
+  std::uint64_t k = 0;
+  std::string last;
+  EXPECT_TRUE(eventually([&] {
+    (*publisher)->publish(attitude_message(k++));
+    if (k % 40 != 0 || (*publisher)->attitude_subscribers() == 0) return false;
+    last = next.some_output();
+    return !last.empty() && last != "0\n";
+  })) << "last said: "
+      << last;
+}
+
+INSTANTIATE_TEST_SUITE_P(Transports, BrokenSubscriber, testing::Values("udp", "shm", "data_sharing"),
+                         [](const auto& test) { return std::string(test.param); });
+
+TEST(DdsPeers, APublisherStartsBesideTheLeftoversOfAKilledOne) {
+  for (const char* transport : {"shm", "data_sharing"}) {
+    Process killed({DDS_PEER, "publish", domain(), transport, "30", "100"});
+    Process reader({DDS_PEER, "subscribe", domain(), transport, "30"});
+    ASSERT_FALSE(reader.some_output().empty());
+    killed.send(SIGKILL);
+    EXPECT_EQ(killed.wait(), 128 + SIGKILL);
+
+    Process heir({DDS_PEER, "publish", domain(), transport, "30", "100"});
+    std::atomic<int> received{0};
+    const auto subscriber = io::DdsSubscriber::create(
+        test_params(transport), {.attitude = [&](const AttitudeMessage&, std::int64_t) { ++received; }});
+    ASSERT_TRUE(subscriber) << subscriber.error().message;
+    EXPECT_TRUE(eventually([&] { return received > 10; })) << transport;
+  }
+}
+
+TEST(Watch, OnceGivesOneJsonObjectWithAttitudeCalibrationAndLatency) {
+  Process daemon({DDS_PEER, "publish", domain(), "udp", "30", "200"});
+  Process watch({STILLPOINT, "watch", "--domain", domain(), "--once", "--seconds", "1", "--json", "-"});
+  const std::string text = watch.output();
+  EXPECT_EQ(watch.wait(), 0);
+  const auto json = nlohmann::json::parse(text, nullptr, false);
+  ASSERT_FALSE(json.is_discarded()) << text;
+  EXPECT_GT(json["received"].get<int>(), 50);
+  EXPECT_NEAR(json["rate_hz"].get<double>(), 200.0, 40.0);
+  EXPECT_EQ(json["lost"], 0);
+  EXPECT_EQ(json["calibration"]["version"], 7);
+  EXPECT_EQ(json["calibration"]["sensors"][1]["status"], "not_observable");
+  EXPECT_EQ(json["attitude"]["heading_reference"], "true");
+  EXPECT_EQ(json["diagnostics"]["samples"], 2500);
+  EXPECT_GT(json["latency_us"]["p99"].get<double>(), 0.0);
+}
+
+TEST(Watch, SaysWhatItWaitsForAndEndsWith69WhenNothingIsThere) {
+  Process watch({STILLPOINT, "watch", "--domain", domain(), "--once", "--timeout", "0.5", "--json", "-"});
+  EXPECT_EQ(watch.output(), "") << "standard output belongs to the JSON";
+  EXPECT_EQ(watch.wait(), 69);
+}
+
+TEST(Record, WritesARecordingThatReadsBackBitForBit) {
+  const auto path = std::filesystem::temp_directory_path() / ("stillpoint_record_" + std::to_string(getpid()) + ".csv");
+  Process daemon({DDS_PEER, "publish", domain(), "udp", "30", "500"});
+  Process record({STILLPOINT, "record", "--domain", domain(), "--seconds", "1", "--output", path});
+  EXPECT_EQ(record.wait(), 0);
+  const auto recording = io::read_recording(path);
+  std::filesystem::remove(path);
+  ASSERT_TRUE(recording) << recording.error().message;
+  ASSERT_GT(recording->size(), 100U);
+  const auto first = static_cast<std::uint64_t>((recording->t_ns[0] - test::raw_sample(0).t_ns) / 1'000'000);
+  for (std::size_t i = 0; i < recording->size(); ++i) {
+    const RawSample expected = test::raw_sample(first + i);
+    const RawSample got = recording->sample(i);
+    ASSERT_EQ(got.t_ns, expected.t_ns);
+    ASSERT_EQ(got.has, expected.has) << "row " << i;
+    ASSERT_EQ(got.acc_mps2, expected.acc_mps2);
+    ASSERT_EQ(got.gyr_radps, expected.gyr_radps);
+    ASSERT_EQ(got.mag_uT, expected.mag_uT);
+    ASSERT_EQ(got.temp_degC, expected.temp_degC);
+  }
+}
+
+TEST(Record, LeavesNoEmptyFileBehindWhenNothingIsThere) {
+  const auto path = std::filesystem::temp_directory_path() / ("stillpoint_none_" + std::to_string(getpid()) + ".csv");
+  Process record({STILLPOINT, "record", "--domain", domain(), "--timeout", "0.5", "--output", path});
+  EXPECT_EQ(record.wait(), 69);
+  EXPECT_FALSE(std::filesystem::exists(path));
+}
+
+}  // namespace
+}  // namespace stillpoint

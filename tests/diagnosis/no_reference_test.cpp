@@ -1,0 +1,88 @@
+/// Diagnosis without a reference, on simulated hand motion with rests: what is put in must come out by name and size.
+#include "diagnosis/no_reference.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "simulation/simulator.h"
+
+namespace stillpoint::diag {
+namespace {
+
+sim::SimulationConfig baseline() {
+  sim::SimulationConfig s;
+  s.rate_hz = 50;
+  s.accelerometer = sim::TriadConfig{.noise_sd = 0.02};
+  s.gyroscope = sim::TriadConfig{.bias = Vec3(0.01, -0.004, 0.002), .noise_sd = 0.001};
+  s.magnetometer = sim::TriadConfig{.bias = Vec3(3, -5, 2), .noise_sd = 0.3};
+  s.motion = sim::MotionConfig{};
+  s.motion->duration_s = 120;
+  return s;
+}
+
+io::Recording record(const sim::SimulationConfig& config, std::uint64_t seed) {
+  io::Recording r;
+  for (const auto& s : sim::simulate(config, seed)) {
+    r.t_ns.push_back(s.sample.t_ns);
+    r.acc_mps2.push_back(vec(s.sample.acc_mps2));
+    r.gyr_radps.push_back(vec(s.sample.gyr_radps));
+    r.mag_uT.push_back(vec(s.sample.mag_uT));
+    r.temp_degC.push_back(s.sample.temp_degC);
+    r.current_A.push_back(s.current_A);
+    r.supply_V.push_back(s.supply_V);
+  }
+  return r;
+}
+
+Diagnosis diagnosed(const std::string& id, const std::map<std::string, std::vector<double>>& parameters,
+                    std::uint64_t seed) {
+  auto truth = baseline();
+  truth.effects.push_back({.id = id, .parameters = parameters, .axes = {}, .window_s = {}});
+  return diagnose_without_reference(record(truth, seed), baseline());
+}
+
+TEST(NoReference, SaysNothingOfCleanRecordings) {
+  for (std::uint64_t seed = 1; seed <= 4; ++seed) {
+    const auto d = diagnose_without_reference(record(baseline(), seed), baseline());
+    EXPECT_EQ(d.verdict, Verdict::kNoMismatch) << d.summary;
+    EXPECT_TRUE(d.findings.empty());
+    EXPECT_FALSE(d.notices.empty()) << "the accelerometer is not witnessed, and that must be said";
+  }
+}
+
+TEST(NoReference, NamesGravitySensitivityWithItsMatrix) {
+  const std::vector<double> G{2e-4, -1e-4, 0, 1e-4, 1.5e-4, 0, -2e-4, 0, 1e-4};
+  const auto d = diagnosed("gyr_gsens", {{"G_radps_per_mps2", G}}, 3);
+  ASSERT_FALSE(d.findings.empty()) << d.summary;
+  ASSERT_EQ(d.findings[0].effect, "gyr_gsens");
+  for (std::size_t i = 0; i < 9; ++i) EXPECT_NEAR(d.findings[0].parameters[i].value, G[i], 3e-5) << i;
+}
+
+TEST(NoReference, NamesTheDelayOfTheMagnetometer) {
+  const auto d = diagnosed("mag_delay", {{"tau_s", {0.02}}}, 4);
+  ASSERT_FALSE(d.findings.empty()) << d.summary;
+  ASSERT_EQ(d.findings[0].effect, "mag_delay");
+  EXPECT_NEAR(d.findings[0].parameters[0].value, 0.02, 0.001);
+}
+
+TEST(NoReference, TellsAnIronThatTurnsWithTheBodyFromAFieldThatStandsInTheWorld) {
+  const auto body = diagnosed("mag_hard_step", {{"b_uT", {1.5, -1.0, 0.8}}, {"t0_s", {60}}}, 5);
+  ASSERT_FALSE(body.findings.empty());
+  EXPECT_EQ(body.findings[0].effect, "mag_hard_step");
+  const auto world = diagnosed("mag_field_step", {{"b_world_uT", {1.5, -1.0, 1.2}}, {"t0_s", {60}}}, 5);
+  ASSERT_FALSE(world.findings.empty());
+  EXPECT_EQ(world.findings[0].effect, "mag_field_step");
+}
+
+TEST(NoReference, AsksForRestWhereThereIsNone) {
+  auto r = record(baseline(), 6);
+  for (std::size_t i = 0; i < r.size(); ++i)
+    r.gyr_radps[i] += Vec3::Constant(0.3 * std::sin(0.3 * static_cast<double>(i)));
+  const auto d = diagnose_without_reference(r, baseline());
+  EXPECT_EQ(d.verdict, Verdict::kInsufficientData);
+  EXPECT_NE(d.summary.find("rest"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace stillpoint::diag
