@@ -1,6 +1,7 @@
 #include "diagnosis/no_reference.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
@@ -283,6 +284,38 @@ double drift_score(const SelfConsistency& model, Sensor sensor) {
   return gain - 1.5 * static_cast<double>(columns.size()) - 4.0;
 }
 
+/// Heat map and table of the channels that have a witness.
+void fill_channels(const SelfConsistency& model, const std::vector<SelfConsistency::Series>& before, Diagnosis& d) {
+  constexpr double kHeatBlock_s = 2.0;
+  const auto& r = model.recording();
+  const double start_s = r.t_s(0);
+  const auto blocks = static_cast<std::size_t>((r.t_s(r.size() - 1) - start_s) / kHeatBlock_s) + 1;
+  for (std::size_t b = 0; b < blocks; ++b)
+    d.heat_t_s.push_back(start_s + kHeatBlock_s * (static_cast<double>(b) + 0.5));
+  for (const Sensor s : {kGyr, kMag}) {
+    const auto& first = before[s == kGyr ? 0 : 1];
+    const auto last = model.series(s, {}, {});
+    const auto n = static_cast<double>(first.t_s.size());
+    if (first.t_s.empty() || last.t_s.size() != first.t_s.size()) continue;
+    for (int k = 0; k < 3; ++k) {
+      double square0 = 0, square1 = 0, noise = 0;
+      for (std::size_t i = 0; i < first.t_s.size(); ++i) {
+        square0 += first.residual[i][k] * first.residual[i][k], square1 += last.residual[i][k] * last.residual[i][k];
+        if (i > 0) noise += 0.5 * std::pow(last.residual[i][k] - last.residual[i - 1][k], 2) / n;
+      }
+      d.residual.push_back({fmt::format("{}_{}{}", kSensorName[s], "xyz"[k], s == kGyr ? " at rest" : ""),
+                            std::sqrt(square0 / n), std::sqrt(square1 / n), square1 / n < 1.3 * noise,
+                            4.0 * std::sqrt(square1) / n, kSensorUnit[s]});
+      std::vector<double> heat(blocks, 0.0);
+      for (std::size_t i = 0; i < first.t_s.size(); ++i)
+        heat[static_cast<std::size_t>((first.t_s[i] - start_s) / kHeatBlock_s)] +=
+            std::max(0.0, 0.5 * (first.residual[i][k] * first.residual[i][k] / noise - 1.0));
+      d.heat_channels.push_back(fmt::format("{}_{}", kSensorName[s], "xyz"[k]));
+      d.heat_nats.push_back(std::move(heat));
+    }
+  }
+}
+
 void conclude(const SelfConsistency& model, const Forensics& raw, Diagnosis& d) {
   const bool force_off = model.force_misfit() > kForceMisfit;
   d.notices.push_back(
@@ -294,9 +327,8 @@ void conclude(const SelfConsistency& model, const Forensics& raw, Diagnosis& d) 
   if (!d.findings.empty()) {
     d.verdict = unknown ? Verdict::kUnexplained : Verdict::kExplained;
     d.summary = fmt::format(
-        "Missing physics: {} in the {}; found from rests and from gyroscope against magnetometer, without a reference.",
-        d.findings.front().effect,
-        d.findings.front().channels.empty() ? "sensor" : d.findings.front().channels.front());
+        "Missing physics: {} ({}); found from rests and from gyroscope against magnetometer, without a reference.",
+        d.findings.front().effect, fmt::join(d.findings.front().channels, ", "));
   } else if (model.dispersion() > kDispersion) {
     d.verdict = Verdict::kUnexplained;
     d.summary = fmt::format(
@@ -354,6 +386,7 @@ Diagnosis diagnose_without_reference(const io::Recording& recording, const sim::
         rest.size(), kLeastRests));
   SelfConsistency model(recording, simulation, raw, rest);
   model.settle();
+  const std::vector<SelfConsistency::Series> before{model.series(kGyr, {}, {}), model.series(kMag, {}, {})};
   double first_gain = 0.0;
   for (int i = 0; i < kMostFindings; ++i) {
     const Search search(model, simulation);
@@ -386,6 +419,7 @@ Diagnosis diagnose_without_reference(const io::Recording& recording, const sim::
     model.accept(best.law->columns(best.grid_value));
   }
   std::sort(d.ranking.begin(), d.ranking.end(), [](const auto& a, const auto& b) { return a.gain_nats > b.gain_nats; });
+  fill_channels(model, before, d);
   conclude(model, raw, d);
   return d;
 }

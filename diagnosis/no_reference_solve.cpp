@@ -135,7 +135,7 @@ SelfConsistency::Series SelfConsistency::series(Sensor sensor, const std::vector
                                                 const Eigen::VectorXd& applied) const {
   Series out;
   const Eigen::MatrixXd white = whitened(law), raw = columns(law), nuisance = nuisance_columns();
-  const Eigen::VectorXd value = fit(law, applied).value;
+  const Eigen::VectorXd value = law.empty() ? Eigen::VectorXd() : fit(law, applied).value;
   const Eigen::VectorXd before_value = applied.size() > 0 ? applied : Eigen::VectorXd::Zero(value.size()).eval();
   // Before: the residual with the nuisances alone at their best. Explained: the law, less what the nuisances give back.
   const auto given_back = [&](const Eigen::VectorXd& v) {

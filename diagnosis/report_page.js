@@ -44,7 +44,7 @@
     const lags = f.acf_before.map((_, i) => i);
     const band = lags.map(() => f.acf_band), under = lags.map(() => -f.acf_band);
     add('acf-' + k, [lags, f.acf_before, f.acf_after, band, under],
-        [line('before', '--before'), line('after', '--after'), line('95 % of white noise', '--noise', { dash: [4, 3] }), line('', '--noise', { dash: [4, 3] })],
+        [line('before', '--before'), line('after', '--after'), line('white noise, 95 %: upper', '--noise', { dash: [4, 3] }), line('lower', '--noise', { dash: [4, 3] })],
         [axis('lag, samples'), axis('autocorrelation')], { scales: { x: { time: false } } });
   });
   const resize = () => plots.forEach(({ box, plot }) => plot.setSize({ width: box.clientWidth, height: 230 }));

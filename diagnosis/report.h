@@ -1,0 +1,24 @@
+/// The report of a diagnosis as one HTML file that needs no network: verdict first, then what was found with its
+/// figures, the ranking with the abstention line, the heat map and what to do next.
+#pragma once
+#include <string>
+
+#include "core/result.h"
+#include "diagnosis/result.h"
+
+namespace stillpoint::diag {
+
+/// What the report says about its input.
+struct ReportContext {
+  std::string recording, simulation;  ///< file names
+  std::string validation;             ///< second recording; empty: none
+  std::string blocks_to_paste;        ///< YAML for the simulator and the daemon; empty: none
+};
+
+[[nodiscard]] std::string report_html(const Diagnosis& diagnosis, const ReportContext& context);
+
+/// Fails (73) when the file cannot be written.
+[[nodiscard]] Result<void> write_report(const Diagnosis& diagnosis, const ReportContext& context,
+                                        const std::string& path);
+
+}  // namespace stillpoint::diag

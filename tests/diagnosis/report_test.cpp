@@ -1,0 +1,70 @@
+/// The report must stand alone, say what the diagnosis says, and survive whatever text it is given.
+#include "diagnosis/report.h"
+
+#include <gmock/gmock.h>
+
+#include <fstream>
+#include <regex>
+#include <sstream>
+
+namespace stillpoint::diag {
+namespace {
+
+using testing::HasSubstr;
+using testing::Not;
+
+Diagnosis example() {
+  Diagnosis d;
+  d.verdict = Verdict::kExplained;
+  d.summary = "Missing physics: the offset follows <temperature> & more";
+  Finding f;
+  f.effect = "gyr_temp_lin";
+  f.channels = {"gyr_x"};
+  f.parameters = {{"k_x", 5e-4, {4e-4, 6e-4}, "rad/s/K"}};
+  f.figures.t_s = {0, 1, 2};
+  f.figures.residual_before = {1, 2, 3};
+  f.figures.residual_after = {0, 0, 0};
+  f.figures.held_out = {false, true, true};
+  f.figures.driver_label = "</script><script>alert(1)</script>";
+  d.findings.push_back(f);
+  d.ranking = {{"gyr_temp_lin", 412.5}, {"gyr_drift", 3.0}};
+  d.abstention_nats = 7;
+  d.heat_channels = {"gyr_x"};
+  d.heat_t_s = {0, 2};
+  d.heat_nats = {{0.0, 20.0}};
+  return d;
+}
+
+TEST(Report, StandsAlone) {
+  const auto html =
+      report_html(example(), {.recording = "a.csv", .simulation = "a.yaml", .validation = "", .blocks_to_paste = ""});
+  EXPECT_THAT(html, Not(HasSubstr("src=")));
+  EXPECT_FALSE(std::regex_search(html, std::regex("<link|@import|url\\(|fetch\\(|XMLHttpRequest")));
+  EXPECT_THAT(html, HasSubstr("uPlot"));
+}
+
+TEST(Report, SaysVerdictParametersRankingAndAbstention) {
+  const auto html = report_html(
+      example(), {.recording = "a.csv", .simulation = "a.yaml", .validation = "", .blocks_to_paste = "effects: []"});
+  EXPECT_LT(html.find("Mismatch found and explained"), html.find("Parameters"));
+  for (const char* text : {"gyr_temp_lin", "0.0004 … 0.0006", "412.5", "no name below 7.0 nats", "effects: []",
+                           "&lt;temperature&gt; &amp; more"})
+    EXPECT_THAT(html, HasSubstr(text));
+}
+
+TEST(Report, CannotBeBrokenByTextFromTheRecording) {
+  const auto html = report_html(
+      example(), {.recording = "<img onerror=x>.csv", .simulation = "b", .validation = "", .blocks_to_paste = ""});
+  EXPECT_THAT(html, Not(HasSubstr("<img")));
+  EXPECT_THAT(html, Not(HasSubstr("</script><script>alert")));
+}
+
+TEST(Report, SaysWhereItCouldNotBeWritten) {
+  const auto written = write_report(example(), {}, "/nonexistent/folder/report.html");
+  ASSERT_FALSE(written.has_value());
+  EXPECT_EQ(written.error().kind, ErrorKind::kCannotCreate);
+  EXPECT_THAT(written.error().message, HasSubstr("/nonexistent/folder/report.html"));
+}
+
+}  // namespace
+}  // namespace stillpoint::diag
