@@ -62,6 +62,12 @@ double TimeSeries::at(double time_s) const noexcept {
 Environment::Environment(const EnvironmentConfig& config, const Motion& motion, RecordedEnvironment recorded,
                          std::uint64_t seed)
     : config_(config), recorded_(std::move(recorded)) {
+  const std::string& kind = config_.temperature.kind;
+  course_ = kind == "constant"  ? Course::kConstant
+            : kind == "warm_up" ? Course::kWarmUp
+            : kind == "chamber" ? Course::kChamber
+            : kind == "day"     ? Course::kDay
+                                : Course::kActivity;
   if (config_.temperature.kind == "activity") heating_ = heating_by_activity(motion, config_.temperature.tau_s);
   if (config_.current.kind != "off") load_A_ = switched_load(config_.current, motion, seed);
   earth_rate_radps_ = kEarthRate_radps * Vec3(0.0, std::cos(config_.latitude_rad), std::sin(config_.latitude_rad));
@@ -71,10 +77,18 @@ double Environment::temp_degC(double t_s) const noexcept {
   if (!recorded_.temp_degC.t_s.empty()) return recorded_.temp_degC.at(t_s);
   const auto& c = config_.temperature;
   const double turn = 2.0 * std::numbers::pi * t_s / c.period_s;
-  if (c.kind == "constant") return c.start_degC;
-  if (c.kind == "warm_up") return c.start_degC + c.rise_K * (1.0 - std::exp(-std::max(0.0, t_s) / c.tau_s));
-  if (c.kind == "chamber") return c.start_degC + 0.5 * c.rise_K * (1.0 - std::cos(turn));
-  if (c.kind == "day") return c.start_degC + c.rise_K * std::sin(turn);
+  switch (course_) {
+    case Course::kConstant:
+      return c.start_degC;
+    case Course::kWarmUp:
+      return c.start_degC + c.rise_K * (1.0 - std::exp(-std::max(0.0, t_s) / c.tau_s));
+    case Course::kChamber:
+      return c.start_degC + 0.5 * c.rise_K * (1.0 - std::cos(turn));
+    case Course::kDay:
+      return c.start_degC + c.rise_K * std::sin(turn);
+    case Course::kActivity:
+      break;
+  }
   return c.start_degC + c.rise_K * heating_.at(t_s);
 }
 

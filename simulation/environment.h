@@ -36,7 +36,10 @@ class Environment {
   [[nodiscard]] bool has_iron() const noexcept { return !config_.iron.empty(); }
 
  private:
+  enum class Course { kConstant, kWarmUp, kChamber, kDay, kActivity };
+
   EnvironmentConfig config_;
+  Course course_;
   RecordedEnvironment recorded_;
   TimeSeries heating_;  ///< 0 to 1, for temperature that follows activity
   TimeSeries load_A_;

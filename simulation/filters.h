@@ -49,12 +49,17 @@ class Resonance {
     if (step_s > 0.0) {
       // Against the particular solution u0 + m s - 2 zeta m / wn the rest rings down freely.
       const Vec3 slope = (input - last_) / step_s;
-      const double sigma = zeta_ * wn_, wd = wn_ * std::sqrt(1.0 - zeta_ * zeta_);
-      const double decay = std::exp(-sigma * step_s), c = std::cos(wd * step_s), s = std::sin(wd * step_s) / wd;
+      const double sigma = zeta_ * wn_;
+      if (step_s != step_s_) {
+        const double wd = wn_ * std::sqrt(1.0 - zeta_ * zeta_);
+        step_s_ = step_s;
+        cosine_ = std::exp(-sigma * step_s) * std::cos(wd * step_s);
+        sine_ = std::exp(-sigma * step_s) * std::sin(wd * step_s) / wd;
+      }
       const Vec3 lag = (2.0 * zeta_ / wn_) * slope;
       const Vec3 z = position_ - last_ + lag, dz = velocity_ - slope;
-      position_ = decay * ((c + sigma * s) * z + s * dz) + input - lag;
-      velocity_ = decay * ((c - sigma * s) * dz - wn_ * wn_ * s * z) + slope;
+      position_ = (cosine_ + sigma * sine_) * z + sine_ * dz + input - lag;
+      velocity_ = (cosine_ - sigma * sine_) * dz - wn_ * wn_ * sine_ * z + slope;
     }
     last_ = input;
     return position_;
@@ -62,6 +67,7 @@ class Resonance {
 
  private:
   double wn_, zeta_;
+  double step_s_ = -1.0, cosine_ = 0.0, sine_ = 0.0;  ///< for this step, damping included
   bool started_ = false;
   Vec3 position_ = Vec3::Zero(), velocity_ = Vec3::Zero(), last_ = Vec3::Zero();
 };

@@ -11,6 +11,26 @@
 
 namespace stillpoint::sim {
 
+/// Layers of equal area under the normal density: Doornik, "An improved ziggurat method to generate normal random
+/// samples" (2005), 256 layers.
+struct Ziggurat {
+  static constexpr double kEnd = 3.6541528853610088, kArea = 0.00492867323399;
+  std::array<double, 257> edge{};
+  std::array<double, 256> inside{};  ///< share of a layer that lies under the density without a test
+
+  Ziggurat() {
+    double density = std::exp(-0.5 * kEnd * kEnd);
+    edge[0] = kArea / density;
+    edge[1] = kEnd;
+    for (std::size_t i = 2; i < 256; ++i) {
+      edge[i] = std::sqrt(-2.0 * std::log(kArea / edge[i - 1] + density));
+      density = std::exp(-0.5 * edge[i] * edge[i]);
+    }
+    for (std::size_t i = 0; i < 256; ++i) inside[i] = edge[i + 1] / edge[i];
+  }
+};
+inline const Ziggurat kZiggurat;
+
 /// xoshiro256++ of Blackman, Vigna, "Scrambled linear pseudorandom number generators", ACM TOMS 47 (2021), seeded by
 /// splitmix64 from the seed and the FNV-1a hash of the source's name.
 class Stream {
@@ -43,22 +63,19 @@ class Stream {
   double uniform() noexcept { return static_cast<double>(bits() >> 11U) * 0x1.0p-53; }
   double uniform(double low, double high) noexcept { return low + (high - low) * uniform(); }
 
-  /// Standard normal: the polar method of Marsaglia, Bray (1964); two numbers a round, the second is kept.
+  /// Standard normal.
   double normal() noexcept {
-    if (has_spare_) {
-      has_spare_ = false;
-      return spare_;
+    for (;;) {
+      const std::uint64_t word = bits();
+      const std::size_t i = word & 0xFFU;
+      const double u = 2.0 * (static_cast<double>(word >> 11U) * 0x1.0p-53) - 1.0;
+      const double x = u * kZiggurat.edge[i];
+      if (std::abs(u) < kZiggurat.inside[i]) return x;
+      if (i == 0) return tail(u < 0.0);
+      const double above = std::exp(-0.5 * (kZiggurat.edge[i] * kZiggurat.edge[i] - x * x));
+      const double below = std::exp(-0.5 * (kZiggurat.edge[i + 1] * kZiggurat.edge[i + 1] - x * x));
+      if (below + uniform() * (above - below) < 1.0) return x;
     }
-    double u, v, s;
-    do {
-      u = 2.0 * uniform() - 1.0;
-      v = 2.0 * uniform() - 1.0;
-      s = u * u + v * v;
-    } while (s >= 1.0 || s == 0.0);
-    const double k = std::sqrt(-2.0 * std::log(s) / s);
-    spare_ = v * k;
-    has_spare_ = true;
-    return u * k;
   }
 
   Vec3 normal3() noexcept {
@@ -69,9 +86,17 @@ class Stream {
   Vec3 direction() noexcept { return normal3().normalized(); }
 
  private:
+  /// Beyond the last layer (Marsaglia 1964).
+  double tail(bool negative) noexcept {
+    double x, y;
+    do {
+      x = -std::log(1.0 - uniform()) / Ziggurat::kEnd;
+      y = -std::log(1.0 - uniform());
+    } while (2.0 * y < x * x);
+    return negative ? -(Ziggurat::kEnd + x) : Ziggurat::kEnd + x;
+  }
+
   std::array<std::uint64_t, 4> state_{};
-  double spare_ = 0.0;
-  bool has_spare_ = false;
 };
 
 }  // namespace stillpoint::sim

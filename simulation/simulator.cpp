@@ -11,7 +11,7 @@ namespace stillpoint::sim {
 namespace {
 
 /// A filter sees its input at least this often, whatever the rate of the recording.
-constexpr double kFinestStep_s = 0.002;
+constexpr double kFinestStep_s = 0.0025;
 constexpr int kMostSteps = 16;
 
 std::vector<ActiveEffect> all_of(const SimulationConfig& c, const char* id) {
@@ -62,29 +62,36 @@ Simulator::Simulator(const SimulationConfig& config, std::shared_ptr<const Motio
   if (config_.motion) rows_ = std::min(rows_, static_cast<std::uint64_t>(config_.motion->duration_s * config_.rate_hz));
 }
 
-/// Everything true at one time: the kinematics, the surroundings, and force, rate and field with the laws of the place.
-void Simulator::fill_instant(double t_s, Instant& now) const noexcept {
-  now.t_s = t_s;
-  now.motion = motion_->at(t_s);
-  now.R_body_world = R_sensor_body_ * now.motion.q_world_body.conjugate().toRotationMatrix();
-  now.temp_degC = environment_.temp_degC(t_s);
-  now.current_A = environment_.current_A(t_s);
-  now.supply_V = environment_.supply_V(t_s);
-  now.earth_rate_radps = environment_.earth_rate_radps();
+/// Everything true at one time, with force, rate and field bare.
+void Simulator::fill_instant(double t_s) noexcept {
+  now_.t_s = t_s;
+  now_.motion = motion_->at(t_s);
+  now_.R_body_world = now_.motion.q_world_body.conjugate().toRotationMatrix();
+  now_.temp_degC = environment_.temp_degC(t_s);
+  now_.current_A = environment_.current_A(t_s);
+  now_.supply_V = environment_.supply_V(t_s);
+  now_.earth_rate_radps = environment_.earth_rate_radps();
   if (!frame_.empty()) {
-    now.motion.rate_radps = R_sensor_body_ * now.motion.rate_radps;
-    now.motion.angular_acceleration_radps2 = R_sensor_body_ * now.motion.angular_acceleration_radps2;
+    now_.R_body_world = R_sensor_body_ * now_.R_body_world;
+    now_.motion.rate_radps = R_sensor_body_ * now_.motion.rate_radps;
+    now_.motion.angular_acceleration_radps2 = R_sensor_body_ * now_.motion.angular_acceleration_radps2;
   }
-  const Vec3 up_acceleration = now.motion.acceleration_mps2 + Vec3(0.0, 0.0, config_.gravity_mps2);
-  now.force_mps2 = now.R_body_world * up_acceleration;
-  now.rate_radps = now.motion.rate_radps;
+  now_.force_mps2 = now_.R_body_world * (now_.motion.acceleration_mps2 + Vec3(0.0, 0.0, config_.gravity_mps2));
+  now_.rate_radps = now_.motion.rate_radps;
   Vec3 field_world = config_.field_world_uT;
-  if (environment_.has_iron()) field_world += environment_.iron_field_uT(now.motion.position_m, t_s);
-  now.field_uT = now.R_body_world * field_world;
-  const Vec3 force = now.force_mps2, rate = now.rate_radps, field = now.field_uT;
-  if (triads_[0]) now.force_mps2 = triads_[0]->at_place(force, now);
-  if (triads_[1]) now.rate_radps = triads_[1]->at_place(rate, now);
-  if (triads_[2]) now.field_uT = triads_[2]->at_place(field, now);
+  if (environment_.has_iron()) field_world += environment_.iron_field_uT(now_.motion.position_m, t_s);
+  now_.field_uT = now_.R_body_world * field_world;
+  placed_.fill(false);
+}
+
+/// Force, rate or field with the laws of its place, at this time; other sensors' laws may read it afterwards.
+const Vec3& Simulator::at_place(Sensor sensor, double t_s) noexcept {
+  if (t_s != now_t_s_) fill_instant(now_t_s_ = t_s);
+  const auto i = static_cast<std::size_t>(sensor);
+  Vec3& value = sensor == Sensor::kAcc ? now_.force_mps2 : sensor == Sensor::kGyr ? now_.rate_radps : now_.field_uT;
+  if (triads_[i] && !placed_[i]) value = triads_[i]->at_place(value, now_);
+  placed_[i] = true;
+  return value;
 }
 
 double Simulator::imu_time_s(double row_t_s) noexcept {
@@ -105,19 +112,20 @@ void Simulator::read_triad(Sensor sensor, double row_t_s, double imu_t_s, RawSam
   Triad& triad = *triads_[i];
   const double t = imu_t_s - triad.delay_s(row_t_s);
   const double step_s = std::isnan(last_t_s_[i]) ? 0.0 : std::max(0.0, t - last_t_s_[i]);
-  const auto bring_to = [&](double time_s) {
-    if (time_s != now_t_s_) fill_instant(now_t_s_ = time_s, now_);
-    return sensor == Sensor::kAcc ? now_.force_mps2 : sensor == Sensor::kGyr ? now_.rate_radps : now_.field_uT;
+  // The gyroscope's laws read the force at the accelerometer.
+  const auto bring_to = [&](double time_s) -> const Vec3& {
+    if (sensor == Sensor::kGyr) at_place(Sensor::kAcc, time_s);
+    return at_place(sensor, time_s);
   };
   Vec3 signal;
   if (triad.filters() && step_s > 0.0) {
     const int steps = std::clamp(static_cast<int>(std::ceil(step_s / kFinestStep_s)), 1, kMostSteps);
     for (int k = 1; k <= steps; ++k) {
-      const Vec3 truth = bring_to(k == steps ? t : last_t_s_[i] + step_s * k / steps);
+      const Vec3& truth = bring_to(k == steps ? t : last_t_s_[i] + step_s * k / steps);
       signal = triad.element(truth, now_, step_s / steps);
     }
   } else {
-    const Vec3 truth = bring_to(t);
+    const Vec3& truth = bring_to(t);
     signal = triad.element(truth, now_, step_s);
   }
   last_t_s_[i] = t;
@@ -167,7 +175,8 @@ void Simulator::transport(double row_t_s, RawSample& out) noexcept {
 }
 
 void Simulator::write_reference(double row_t_s, SimulatedSample& out) noexcept {
-  const MotionState truth = motion_->at(row_t_s);
+  const bool known = row_t_s == now_t_s_ && frame_.empty();
+  const MotionState truth = known ? now_.motion : motion_->at(row_t_s);
   const Mat3 R_body_world = truth.q_world_body.conjugate().toRotationMatrix();
   out.true_q_world_body = truth.q_world_body;
   out.true_position_m = truth.position_m;

@@ -42,7 +42,8 @@ class Simulator {
   [[nodiscard]] bool has(Sensor sensor) const noexcept { return triads_[static_cast<std::size_t>(sensor)].has_value(); }
 
  private:
-  void fill_instant(double t_s, Instant& now) const noexcept;
+  void fill_instant(double t_s) noexcept;
+  const Vec3& at_place(Sensor sensor, double t_s) noexcept;
   void read_triad(Sensor sensor, double row_t_s, double imu_t_s, RawSample& out) noexcept;
   [[nodiscard]] double imu_time_s(double row_t_s) noexcept;
   void write_reference(double row_t_s, SimulatedSample& out) noexcept;
@@ -60,6 +61,7 @@ class Simulator {
   Stream jitter_random_, dup_random_, lost_random_, aux_random_;
   std::optional<BandNoise> orientation_error_, position_error_;
   Instant now_;
+  std::array<bool, 3> placed_{};  ///< which of now_'s force, rate and field carry the laws of their place
   double now_t_s_;
   std::uint64_t row_ = 0, rows_ = 0;
   RawSample last_sent_;

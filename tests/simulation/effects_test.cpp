@@ -268,7 +268,7 @@ TEST(Law, LowPassLosesAmplitudeAndDelays) {
         }
         return Vec3(sum * kLength / kSteps / 3.0 - w.rate(i));
       },
-      5e-4);  // the input is taken as straight over 2 ms
+      5e-4);  // the input is taken as straight over 2.5 ms
 }
 
 TEST(Law, ResonanceAmplifiesBelowItsFrequencyAndRings) {
