@@ -4,6 +4,7 @@
 #pragma once
 #include <algorithm>
 #include <cstdint>
+#include <string_view>
 #include <type_traits>
 
 #include "core/types.h"
@@ -20,6 +21,12 @@ enum class CalibrationStatus : std::uint8_t {
   kStuck,                ///< the readings do not change at all
   kReplaced,             ///< the evidence contradicts what was learnt: another sensor
 };
+
+[[nodiscard]] constexpr std::string_view name(CalibrationStatus status) noexcept {
+  constexpr std::string_view kNames[] = {
+      "factory", "ok", "too_few_windows", "not_observable", "not_positive_definite", "clipped", "stuck", "replaced"};
+  return kNames[static_cast<std::size_t>(status)];
+}
 
 /// Parameters of one triad, in the sensor's own units. B(T) = b0 + b1 tau + b2 tau^2 with tau = T - T_ref,
 /// T held inside the range of temperatures that were seen: never extrapolated.

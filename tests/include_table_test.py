@@ -10,7 +10,7 @@ MAY_INCLUDE = {
     "calib_online": {"core"},
     "fusion": {"core"},
     "simulation": {"core"},
-    "io": {"core", "idl", "simulation"},
+    "io": {"core", "idl", "simulation", "calib_online", "fusion", "pipeline"},
     "pipeline": {"core", "calib_online", "fusion"},
     "diagnosis": {"core", "simulation", "calib_online", "fusion", "io"},
     "apps": {"core", "idl", "calib_online", "fusion", "simulation", "io", "pipeline", "diagnosis"},

@@ -1,6 +1,8 @@
 /// `stillpoint check FILE`: says what is wrong with a recording, a configuration or a simulation.
 #include "apps/stillpoint/commands.h"
+#include "io/config.h"
 #include "io/recording.h"
+#include "io/simulation_yaml.h"
 
 namespace stillpoint::app {
 namespace {
@@ -14,13 +16,41 @@ int check_recording(const std::string& path) {
   return 0;
 }
 
+/// A daemon's configuration and a simulation share no top-level key: the one that knows more of the keys is meant.
+bool looks_like_simulation(const YAML::Node& root) {
+  int votes = 0;
+  const auto vote = [&](const auto&... f) { ((votes -= root[std::string(f.name)] ? 1 : 0), ...); };
+  std::apply(vote, io::DaemonConfig::fields());
+  for (const char* key : {"rate_hz", "gravity_mps2", "field_world_uT", "accelerometer", "gyroscope", "magnetometer",
+                          "effects", "motion", "environment"})
+    votes += root[key] ? 1 : 0;
+  return votes > 0;
+}
+
+int check_yaml(const std::string& path) {
+  const auto root = io::load_yaml(path);
+  if (!root) return report(root.error());
+  if (looks_like_simulation(*root)) {
+    const auto simulation = io::read_simulation(path);
+    if (!simulation) return report(simulation.error());
+    std::printf("%s: a simulation without fault, %zu effects\n", path.c_str(), simulation->effects.size());
+    return 0;
+  }
+  const auto config = io::read_config(path);
+  if (!config) return report(config.error());
+  std::printf("%s: a configuration without fault\n", path.c_str());
+  return 0;
+}
+
 }  // namespace
 
 void add_check(CLI::App& app, Run& run) {
   auto* command = app.add_subcommand("check", "Say what is wrong with a recording, a configuration or a simulation");
   static std::string path;
   command->add_option("FILE", path, "recording (.csv), configuration or simulation (.yaml)")->required();
-  command->callback([&run] { run = [] { return check_recording(path); }; });
+  command->callback([&run] {
+    run = [] { return path.ends_with(".yaml") || path.ends_with(".yml") ? check_yaml(path) : check_recording(path); };
+  });
 }
 
 }  // namespace stillpoint::app

@@ -9,6 +9,7 @@ int main(int argc, char** argv) {
   app::add_calibrate(cli, run);
   app::add_check(cli, run);
   app::add_diagnose(cli, run);
+  app::add_estimate(cli, run);
   app::add_noise(cli, run);
   app::add_record(cli, run);
   app::add_simulate(cli, run);

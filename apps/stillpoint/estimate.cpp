@@ -1,0 +1,172 @@
+/// `stillpoint estimate`: the daemon's stages over a recording, on one thread, bit-identical from run to run.
+#include <fmt/format.h>
+
+#include <nlohmann/json.hpp>
+
+#include "apps/stillpoint/commands.h"
+#include "core/units.h"
+#include "io/config.h"
+#include "io/recording.h"
+#include "pipeline/stages.h"
+
+namespace stillpoint::app {
+namespace {
+
+struct Arguments {
+  std::string config, recording, output;
+  bool json = false, skip_malformed = false;
+};
+
+std::string_view word(fusion::AttitudeStatus status) {
+  switch (status) {
+    case fusion::AttitudeStatus::kWaiting:
+      return "initializing";
+    case fusion::AttitudeStatus::kOk:
+      return "ok";
+    case fusion::AttitudeStatus::kDegraded:
+      return "degraded";
+    case fusion::AttitudeStatus::kRefused:
+      break;
+  }
+  return "refused";
+}
+
+/// Shortest text that reads back to the same bits.
+void append_row(fmt::memory_buffer& out, const fusion::AttitudeEstimate& e) {
+  const auto& q = e.q_world_body;
+  const auto& b = e.gyro_bias_radps;
+  fmt::format_to(std::back_inserter(out), "{}.{:09d},{},{},{},{},{},{},{},{},{},{},{},{}\n", e.t_ns / 1'000'000'000,
+                 e.t_ns % 1'000'000'000, q[0], q[1], q[2], q[3], e.sigma_roll_rad, e.sigma_pitch_rad, e.sigma_yaw_rad,
+                 b[0], b[1], b[2], e.at_rest ? 1 : 0, word(e.status));
+}
+
+class File {
+ public:
+  explicit File(const std::string& path) : file_(path == "-" ? stdout : std::fopen(path.c_str(), "w")) {}
+  ~File() {
+    if (file_ != nullptr && file_ != stdout) std::fclose(file_);
+  }
+  File(const File&) = delete;
+  File& operator=(const File&) = delete;
+  explicit operator bool() const { return file_ != nullptr; }
+  bool write(fmt::memory_buffer& text) {
+    const bool all = std::fwrite(text.data(), 1, text.size(), file_) == text.size();
+    text.clear();
+    return all;
+  }
+  bool flush() { return std::fflush(file_) == 0; }
+
+ private:
+  std::FILE* file_;
+};
+
+struct Summary {
+  std::size_t rows = 0;
+  fusion::AttitudeEstimate last;
+};
+
+Result<Summary> estimate(const io::Recording& recording, pipeline::Stages& stages, pipeline::DirectLink& link,
+                         const std::string& path) {
+  File file(path);
+  if (!file)
+    return fail(ErrorKind::kCannotCreate, fmt::format("{}: cannot be created; check folder and permissions", path));
+  constexpr std::size_t kChunk_bytes = 1 << 16;
+  const auto full = [&] {
+    return fail(ErrorKind::kCannotCreate, fmt::format("{}: cannot be written; is the disk full?", path));
+  };
+  fmt::memory_buffer text;
+  fmt::format_to(std::back_inserter(text),
+                 "time_s,qw,qx,qy,qz,sigma_roll_rad,sigma_pitch_rad,sigma_yaw_rad,bias_x_radps,bias_y_radps,"
+                 "bias_z_radps,at_rest,status\n");
+  Summary summary;
+  pipeline::Processed out;
+  for (std::size_t row = 0; row < recording.size(); ++row) {
+    if (stages.process(recording.sample(row), out, link) == pipeline::StageStatus::kDrop) continue;
+    append_row(text, out.attitude);
+    ++summary.rows;
+    if (text.size() > kChunk_bytes && !file.write(text)) return full();
+  }
+  if (!file.write(text) || !file.flush()) return full();
+  summary.last = out.attitude;
+  return summary;
+}
+
+nlohmann::json triad_json(const TriadCalibration& c) {
+  return {{"bias", c.bias},          {"bias_per_K", c.bias_per_K}, {"temp_ref_degC", c.temp_ref_degC},
+          {"matrix", c.matrix},      {"windows", c.windows},       {"norm_sd", c.norm_sd},
+          {"status", name(c.status)}};
+}
+
+nlohmann::json to_json(const Summary& summary, const pipeline::Stages& stages, const io::Recording& recording) {
+  const auto& guard = stages.guard().counts();
+  const auto& live = stages.live();
+  return {{"schema", "stillpoint.estimate/1"},
+          {"rows", summary.rows},
+          {"samples", recording.size()},
+          {"dropped_rows", recording.issues.dropped_rows()},
+          {"refused", guard.refused},
+          {"gaps", guard.gaps},
+          {"clipped", guard.clipped},
+          {"not_finite", guard.not_finite + recording.issues.not_finite.count},
+          {"rest_windows", stages.counts().windows},
+          {"calibration",
+           {{"version", live.version},
+            {"acc", triad_json(live.acc)},
+            {"gyr", triad_json(live.gyr)},
+            {"mag", triad_json(live.mag)}}}};
+}
+
+void print_text(const Summary& summary, const pipeline::Stages& stages, const io::Recording& recording,
+                const Arguments& a) {
+  std::FILE* to = a.output == "-" ? stderr : stdout;
+  for (const auto& line : io::describe(recording.issues)) fmt::print(to, "{}: {}\n", a.recording, line);
+  const auto& live = stages.live();
+  fmt::print(to, "{}: {} rows\n", a.output, summary.rows);
+  fmt::print(to, "rest windows {}, calibration version {}; gaps {}, refused {}\n", stages.counts().windows,
+             live.version, stages.guard().counts().gaps, stages.guard().counts().refused);
+  const auto& b = live.gyr.bias;
+  fmt::print(to, "gyroscope bias {:.4f} {:.4f} {:.4f} deg/s, {}\n", b[0] * kDegPerRad, b[1] * kDegPerRad,
+             b[2] * kDegPerRad, name(live.gyr.status));
+  fmt::print(to, "accelerometer bias {:.4f} {:.4f} {:.4f} m/s^2, {}\n", live.acc.bias[0], live.acc.bias[1],
+             live.acc.bias[2], name(live.acc.status));
+  const auto& e = summary.last;
+  fmt::print(to, "standard deviation at the end: roll {:.3f}, pitch {:.3f}, yaw {:.3f} deg\n",
+             e.sigma_roll_rad * kDegPerRad, e.sigma_pitch_rad * kDegPerRad, e.sigma_yaw_rad * kDegPerRad);
+}
+
+int run_estimate(const Arguments& a) {
+  const auto config = io::read_config(a.config);
+  if (!config) return report(config.error());
+  const auto recording =
+      io::read_recording(a.recording, a.skip_malformed ? io::OnMalformedRow::kCount : io::OnMalformedRow::kFail);
+  if (!recording) return report(recording.error());
+  const CalibrationSnapshot factory = io::factory_calibration(config->sensor);
+  calib::OnlineCalibrator calibrator(config->calibration.online, factory);
+  pipeline::DirectLink link(calibrator);
+  pipeline::Stages stages(io::stages_params(*config), calibrator.snapshot());
+  const auto summary = estimate(*recording, stages, link, a.output);
+  if (!summary) return report(summary.error());
+  if (a.json)
+    fmt::print("{}\n", to_json(*summary, stages, *recording).dump(2));
+  else
+    print_text(*summary, stages, *recording, a);
+  return 0;
+}
+
+}  // namespace
+
+void add_estimate(CLI::App& app, Run& run) {
+  auto* command = app.add_subcommand("estimate", "The daemon's stages over a recording: attitude at every sample");
+  static Arguments a;
+  command->add_option("--config", a.config, "the daemon's configuration; its source is not used")->required();
+  command->add_option("--recording", a.recording, "recording (.csv)")->required();
+  command->add_option("--output", a.output, "attitude (.csv); - is standard output")->required();
+  command->add_flag("--skip-malformed", a.skip_malformed, "count malformed rows instead of failing");
+  auto* json = command->add_flag("--json", a.json, "what was found, as JSON on standard output");
+  command->callback([&run, json] {
+    if (a.json && a.output == "-") throw CLI::ExcludesError(json->get_name(), "--output -");
+    run = [] { return run_estimate(a); };
+  });
+}
+
+}  // namespace stillpoint::app

@@ -1,0 +1,174 @@
+/// The daemon's configuration (docs/configuration.md): YAML into the parameter structs of the parts, all faults at
+/// once.
+#pragma once
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "calib_online/online_calibrator.h"
+#include "calib_online/rest_detector.h"
+#include "core/calibration.h"
+#include "core/fields.h"
+#include "core/result.h"
+#include "fusion/attitude_filter.h"
+#include "io/dds_params.h"
+#include "io/yaml.h"
+#include "pipeline/fault_injector.h"
+#include "pipeline/realtime.h"
+#include "pipeline/stages.h"
+#include "simulation/config.h"
+
+namespace stillpoint::io {
+
+enum class SourceKind { kNone, kRecording, kSimulation };
+enum class SourceEnd { kStop, kWait };
+
+struct SourceConfig {
+  SourceKind kind = SourceKind::kNone;
+  std::string file;  ///< relative to the configuration's folder
+  double speed = 1.0;
+  int seed = 1;
+  SourceEnd at_end = SourceEnd::kStop;
+  bool wait_for_file = false;
+  std::optional<pipeline::FaultParams> faults;
+
+  static constexpr auto fields() {
+    using P = SourceConfig;
+    return std::tuple{
+        field("kind", &P::kind, "recording or simulation"),
+        field("file", &P::file, "the recording (.csv) or the simulation (.yaml), relative to this file"),
+        field("speed", &P::speed, in_range(0.0, 1e6), "times real time; 0: as fast as possible"),
+        field("seed", &P::seed, in_range(0, 2e9), "of the simulation's noise"),
+        field("at_end", &P::at_end, "stop: the daemon ends with the source; wait: it stays and reports STALE"),
+        field("wait_for_file", &P::wait_for_file,
+              "true: a missing file is waited for; false: the daemon stops with 69"),
+        field("faults", &P::faults, "faults put in on purpose, to try out what a subscriber sees")};
+  }
+};
+
+/// What the maker or an earlier calibration says of one triad: u = matrix * (reading - bias).
+struct TriadFactory {
+  Vec3 bias = Vec3::Zero();
+  Mat3 matrix = Mat3::Identity();
+  static constexpr auto fields() {
+    using P = TriadFactory;
+    return std::tuple{field("bias", &P::bias, "in the unit of the reading"),
+                      field("matrix", &P::matrix, "three rows; u = matrix * (reading - bias)")};
+  }
+};
+
+struct SensorConfig {
+  std::string id = "imu0";
+  TriadFactory accelerometer, gyroscope, magnetometer;
+  pipeline::GuardParams limits;
+  static constexpr auto fields() {
+    using P = SensorConfig;
+    return std::tuple{
+        field("id", &P::id, "identity of this very sensor (serial number): its calibration is kept under it"),
+        field("accelerometer", &P::accelerometer, "factory calibration, m/s^2"),
+        field("gyroscope", &P::gyroscope, "factory calibration, rad/s"),
+        field("magnetometer", &P::magnetometer, "factory calibration, uT"),
+        field("limits", &P::limits, "full scales, and what counts as a gap")};
+  }
+};
+
+struct CalibrationConfig {
+  bool enabled = true;
+  double answer_delay_s = 0.1;
+  calib::OnlineCalibratorParams online;
+  static constexpr auto fields() {
+    using P = CalibrationConfig;
+    return std::tuple{
+        field("enabled", &P::enabled, "false: the factory calibration serves all the time"),
+        field("answer_delay_s", &P::answer_delay_s, in_range(0.0, 10.0),
+              "from the end of a rest window to the use of what was learnt from it, in the sensor's time"),
+        field("online", &P::online, "how good the factory calibration is, and how fast it may change")};
+  }
+};
+
+/// Rotation from the sensor's axes to the body's: v_body = R v_sensor.
+struct Mount {
+  Mat3 R_body_sensor = Mat3::Identity();
+};
+
+struct OutputConfig {
+  pipeline::WorldFrame world_frame = pipeline::WorldFrame::kEnu;
+  Mount mount;
+  std::optional<double> initial_heading_rad;
+  static constexpr auto fields() {
+    using P = OutputConfig;
+    return std::tuple{
+        field("world_frame", &P::world_frame,
+              "enu (body x forward, y left, z up) or ned (body x forward, y right, z down)"),
+        field("mount", &P::mount, "body from sensor: \"+x +y +z\" (which sensor axis is body x, y, z) or three rows"),
+        field("initial_heading_rad", &P::initial_heading_rad, in_range(-3.15, 3.15),
+              "heading at the start, counter-clockwise from east, until a magnetometer says otherwise")};
+  }
+};
+
+struct StateConfig {
+  std::string directory;
+  int keep = 3;
+  double save_period_s = 60.0;
+  static constexpr auto fields() {
+    using P = StateConfig;
+    return std::tuple{
+        field("directory", &P::directory,
+              "what was learnt is kept here; empty: $STATE_DIRECTORY (systemd), else nowhere"),
+        field("keep", &P::keep, in_range(1, 100), "so many good versions are kept"),
+        field("save_period_s", &P::save_period_s, in_range(0.1, 86400), "a change is on disk after at most this time")};
+  }
+};
+
+struct DaemonConfig {
+  SourceConfig source;
+  SensorConfig sensor;
+  calib::RestDetectorParams rest;
+  CalibrationConfig calibration;
+  fusion::AttitudeFilterParams attitude;
+  std::vector<sim::EffectConfig> compensate;  ///< all of a kind that CompensateStage knows
+  OutputConfig output;
+  DdsParams dds;
+  StateConfig state;
+  pipeline::ThreadParams threads;
+  double stale_after_s = 1.0;
+  static constexpr auto fields() {
+    using P = DaemonConfig;
+    return std::tuple{
+        field("source", &P::source, "where the samples come from"),
+        field("sensor", &P::sensor, "the sensor: identity, factory calibration, limits"),
+        field("rest", &P::rest, "when the body is at rest"),
+        field("calibration", &P::calibration, "learning from rest"),
+        field("attitude", &P::attitude, "the attitude filter"),
+        field("compensate", &P::compensate, "known physics to take out, a list of effects as in a simulation"),
+        field("output", &P::output, "frames of what is published"),
+        field("dds", &P::dds, "publishing"),
+        field("state", &P::state, "keeping what was learnt"),
+        field("threads", &P::threads, "cores, priorities, memory"),
+        field("stale_after_s", &P::stale_after_s, in_range(0.01, 3600), "without a sample for so long: STALE")};
+  }
+};
+
+/// Reads and checks a configuration. 66: no such file; 78: every fault as file:line:column.
+[[nodiscard]] Result<DaemonConfig> read_config(const std::string& path);
+[[nodiscard]] Result<DaemonConfig> parse_config(const std::string& text, const std::string& name);
+
+/// Every value with its meaning; values that are the default are marked.
+[[nodiscard]] std::string print_config(const DaemonConfig& config);
+
+/// The parts as the pipeline takes them.
+[[nodiscard]] pipeline::StagesParams stages_params(const DaemonConfig& config);
+[[nodiscard]] CalibrationSnapshot factory_calibration(const SensorConfig& sensor);
+
+// Types that only this file's structs use.
+void read_value(const YAML::Node& node, SourceKind& out, const Range&, const std::string& key, YamlFaults& faults);
+void read_value(const YAML::Node& node, SourceEnd& out, const Range&, const std::string& key, YamlFaults& faults);
+void read_value(const YAML::Node& node, pipeline::WorldFrame& out, const Range&, const std::string& key,
+                YamlFaults& faults);
+void read_value(const YAML::Node& node, Mount& out, const Range&, const std::string& key, YamlFaults& faults);
+void read_value(const YAML::Node& node, std::optional<double>& out, const Range& range, const std::string& key,
+                YamlFaults& faults);
+void read_value(const YAML::Node& node, std::vector<sim::EffectConfig>& out, const Range&, const std::string& key,
+                YamlFaults& faults);
+
+}  // namespace stillpoint::io

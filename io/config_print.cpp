@@ -1,0 +1,68 @@
+#include "io/config.h"
+#include "io/simulation_yaml.h"
+
+namespace stillpoint::io {
+namespace {
+
+std::string value_text(double x) { return fmt::format("{}", x); }
+std::string value_text(int x) { return fmt::format("{}", x); }
+std::string value_text(bool x) { return x ? "true" : "false"; }
+std::string value_text(const std::string& x) { return fmt::format("\"{}\"", x); }
+std::string value_text(const Vec3& v) { return fmt::format("[{}, {}, {}]", v.x(), v.y(), v.z()); }
+std::string value_text(const Mat3& m) {
+  return fmt::format("[{}, {}, {}]", value_text(Vec3(m.row(0))), value_text(Vec3(m.row(1))),
+                     value_text(Vec3(m.row(2))));
+}
+std::string value_text(const Mount& m) { return value_text(m.R_body_sensor); }
+std::string value_text(const std::optional<double>& x) { return x ? value_text(*x) : "not set"; }
+std::string value_text(SourceKind x) {
+  return x == SourceKind::kRecording ? "recording" : x == SourceKind::kSimulation ? "simulation" : "not set";
+}
+std::string value_text(SourceEnd x) { return x == SourceEnd::kStop ? "stop" : "wait"; }
+std::string value_text(pipeline::WorldFrame x) { return x == pipeline::WorldFrame::kEnu ? "enu" : "ned"; }
+std::string value_text(const std::vector<sim::EffectConfig>& effects) {
+  std::vector<std::string> texts;
+  for (const auto& effect : effects) texts.push_back(format_effect(effect));
+  return fmt::format("[{}]", fmt::join(texts, ", "));
+}
+
+template <HasFields P>
+void print(std::string& out, const P& values, const P& defaults, int depth);
+
+template <class T>
+void print_one(std::string& out, std::string_view name, std::string_view help, const T& value, const T& by_default,
+               int depth) {
+  const std::string indent(static_cast<std::size_t>(2 * depth), ' ');
+  if constexpr (HasFields<T>) {
+    out += fmt::format("{}{}:{}# {}\n", indent, name, "  ", help);
+    print(out, value, by_default, depth + 1);
+  } else {
+    const std::string text = value_text(value);
+    const char* mark = text == value_text(by_default) ? " (default)" : "";
+    const bool unset = text == "not set";
+    out += fmt::format("{:<58}# {}{}\n", fmt::format("{}{}{}: {}", indent, unset ? "# " : "", name, text), help, mark);
+  }
+}
+
+template <HasFields T>
+void print_one(std::string& out, std::string_view name, std::string_view help, const std::optional<T>& value,
+               const std::optional<T>&, int depth) {
+  if (value) print_one(out, name, help, *value, T{}, depth);
+}
+
+template <HasFields P>
+void print(std::string& out, const P& values, const P& defaults, int depth) {
+  std::apply(
+      [&](const auto&... f) { (print_one(out, f.name, f.help, values.*(f.member), defaults.*(f.member), depth), ...); },
+      P::fields());
+}
+
+}  // namespace
+
+std::string print_config(const DaemonConfig& config) {
+  std::string out;
+  print(out, config, DaemonConfig{}, 0);
+  return out;
+}
+
+}  // namespace stillpoint::io

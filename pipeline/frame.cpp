@@ -1,0 +1,44 @@
+#include "pipeline/frame.h"
+
+#include <cmath>
+
+namespace stillpoint::pipeline {
+namespace {
+
+/// Standard deviation about a world axis of unit length.
+double sigma_about(const Vec3& axis_world, const Array9& covariance) {
+  return std::sqrt(std::max(0.0, axis_world.dot(mat(covariance) * axis_world)));
+}
+
+/// Roll and pitch errors turn about the horizontal axis of the heading and the one across it; the heading is that of
+/// body x.
+void set_sigmas(const Quat& q_world_body, fusion::AttitudeEstimate& e) {
+  const Vec3 x_world = q_world_body * Vec3::UnitX();
+  const double horizontal = std::hypot(x_world.x(), x_world.y());
+  // With body x vertical there is no heading; its last meaningful stand-in is the horizontal part of body -z or +z.
+  Vec3 ahead = x_world;
+  if (horizontal < 1e-6) ahead = q_world_body * Vec3::UnitZ();
+  ahead.z() = 0.0;
+  ahead.normalize();
+  const Vec3 across(-ahead.y(), ahead.x(), 0.0);
+  e.sigma_roll_rad = sigma_about(ahead, e.covariance_world_rad2);
+  e.sigma_pitch_rad = sigma_about(across, e.covariance_world_rad2);
+}
+
+}  // namespace
+
+fusion::AttitudeEstimate in_frame(const fusion::AttitudeEstimate& sensor_in_enu, const OutputFrame& frame) noexcept {
+  fusion::AttitudeEstimate e = sensor_in_enu;
+  const bool mounted = !frame.q_body_sensor.isApprox(Quat::Identity(), 0.0);
+  if (mounted) {
+    const auto& q = sensor_in_enu.q_world_body;
+    const Quat q_world_body = (Quat(q[0], q[1], q[2], q[3]) * frame.q_body_sensor.conjugate()).normalized();
+    e.q_world_body = {q_world_body.w(), q_world_body.x(), q_world_body.y(), q_world_body.z()};
+    const Mat3 R_body_sensor = frame.q_body_sensor.toRotationMatrix();
+    e.rate_body_radps = array(Vec3(R_body_sensor * vec(e.rate_body_radps)));
+    set_sigmas(q_world_body, e);
+  }
+  return frame.world == WorldFrame::kNed ? fusion::in_ned(e) : e;
+}
+
+}  // namespace stillpoint::pipeline

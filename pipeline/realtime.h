@@ -1,0 +1,39 @@
+/// What the operating system may do for a thread that must not be late. Each may be refused; the daemon then says so
+/// and goes on under normal scheduling.
+#pragma once
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/fields.h"
+
+namespace stillpoint::pipeline {
+
+struct ThreadParams {
+  int sensor_core = -1;
+  int calibration_core = -1;
+  int fifo_priority = 0;
+  bool lock_memory = false;
+  double calibration_poll_s = 0.002;
+
+  static constexpr auto fields() {
+    using P = ThreadParams;
+    return std::tuple{
+        field("sensor_core", &P::sensor_core, in_range(-1, 1023), "core that the sensor thread is pinned to; -1: any"),
+        field("calibration_core", &P::calibration_core, in_range(-1, 1023), "the same for the calibration thread"),
+        field("fifo_priority", &P::fifo_priority, in_range(0, 99),
+              "SCHED_FIFO priority of the sensor thread; 0: normal"),
+        field("lock_memory", &P::lock_memory, "keep all memory in RAM (mlockall) and touch the stack before starting"),
+        field("calibration_poll_s", &P::calibration_poll_s, in_range(1e-4, 0.1),
+              "the calibration thread looks at its rings this often; the sensor thread never wakes it")};
+  }
+};
+
+/// Locks all present and future memory and allots the heap that later growth would otherwise fault in.
+/// Empty: done. Otherwise what was refused and what to do about it, in one sentence.
+[[nodiscard]] std::optional<std::string> lock_memory();
+
+/// For the calling thread: touches the stack it will use, pins it and asks for SCHED_FIFO. What was refused, in words.
+[[nodiscard]] std::vector<std::string> prepare_thread(const char* name, int core, int fifo_priority);
+
+}  // namespace stillpoint::pipeline

@@ -1,0 +1,56 @@
+/// What the parts of the pipeline promise each other. A stage, a source and a sink are plain classes; these concepts
+/// are checked where the parts are put together, so a new source (IIO, serial, DDS) or sink touches no stage.
+#pragma once
+#include <concepts>
+#include <cstdint>
+#include <string_view>
+#include <type_traits>
+
+#include "core/types.h"
+
+namespace stillpoint::pipeline {
+
+enum class StageStatus : std::uint8_t {
+  kOk,
+  kDegraded,  ///< the output serves, but a part of it is missing or poor
+  kDrop,      ///< no output: the sample goes no further
+};
+
+/// `process` runs on the sensor thread: wait-free, no allocation, no lock, no text. Its output is a function of its
+/// inputs and their time stamps only, never of the wall clock.
+template <class S>
+concept Stage = requires(S stage, const typename S::Input& in, typename S::Output& out) {
+  { stage.process(in, out) }
+  noexcept->std::same_as<StageStatus>;
+  { S::kName } -> std::convertible_to<std::string_view>;
+};
+
+enum class SourceState : std::uint8_t {
+  kSample,   ///< `sample` was filled
+  kNothing,  ///< nothing arrived within the source's own waiting time; ask again
+  kGone,     ///< the device or the peer vanished; it may come back
+  kEnd,      ///< there will be no more
+};
+
+/// One reading on its way in. `arrival_ns` is CLOCK_MONOTONIC when the reading reached this machine; a source that
+/// paces itself gives the instant at which the reading was due, so that a late wake-up counts as latency.
+struct Arrival {
+  RawSample sample;
+  std::int64_t arrival_ns = 0;
+};
+
+/// `next` blocks in the kernel or sleeps until a reading is there, at most some 100 ms, so that a stop is noticed.
+template <class S>
+concept Source = requires(S source, Arrival& out) {
+  { source.next(out) }
+  noexcept->std::same_as<SourceState>;
+};
+
+/// Takes each message on the sensor thread. False: the message was lost (counted by the caller).
+template <class S, class Message>
+concept Sink = requires(S sink, const Message& message) {
+  { sink.publish(message) }
+  noexcept->std::same_as<bool>;
+};
+
+}  // namespace stillpoint::pipeline

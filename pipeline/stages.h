@@ -1,0 +1,131 @@
+/// The stages in their order, one call a sample: guard -> rest -> correct -> compensate -> attitude. The daemon's
+/// sensor thread and the offline `estimate` run this same class; only the link to the calibration differs.
+#pragma once
+#include <optional>
+
+#include "calib_online/rest_detector.h"
+#include "core/attitude_message.h"
+#include "fusion/attitude_filter.h"
+#include "pipeline/calibration_link.h"
+#include "pipeline/compensate_stage.h"
+#include "pipeline/correct_stage.h"
+#include "pipeline/frame.h"
+#include "pipeline/guard_stage.h"
+
+namespace stillpoint::pipeline {
+
+struct StagesParams {
+  GuardParams guard;
+  calib::RestDetectorParams rest;
+  fusion::AttitudeFilterParams attitude;
+  Compensation compensation;
+  OutputFrame frame;
+  std::optional<double> initial_heading_rad;
+  double answer_delay_s = 0.1;  ///< from the end of a window to the use of what was learnt from it
+  bool learn = true;            ///< false: the calibration of the start serves all the time
+};
+
+/// One sample, all the way through.
+struct Processed {
+  fusion::AttitudeEstimate attitude;  ///< in the output frame
+  CalibratedSample sample;            ///< corrected and compensated, in the sensor's frame
+  bool after_gap = false;
+  bool temp_measured = false;  ///< the temperature is the sensor's own, now or a little while ago
+};
+
+/// As it is published; what only the publishing thread knows (arrival, counters) is left at its default.
+[[nodiscard]] AttitudeMessage to_message(const Processed& processed, bool true_heading) noexcept;
+
+/// Counted on the sensor thread.
+struct StagesCounts {
+  std::uint64_t windows = 0;          ///< rest windows handed to the calibration
+  std::uint64_t windows_dropped = 0;  ///< the ring was full
+  std::uint64_t answers_late = 0;     ///< answers that were not there when they should have taken effect
+  std::uint64_t gate_refused = 0;     ///< estimates that were not a finite unit quaternion: never let out
+};
+
+class Stages {
+ public:
+  using Input = RawSample;
+  using Output = Processed;
+  static constexpr std::string_view kName = "stages";
+
+  Stages(const StagesParams& params, const CalibrationSnapshot& start) noexcept
+      : params_(params),
+        guard_(params.guard),
+        rest_(params.rest),
+        correct_(start),
+        compensate_(params.compensation),
+        filter_(params.attitude) {
+    filter_.reset(params.initial_heading_rad);
+  }
+
+  /// kDrop: nothing may be published for this sample.
+  template <CalibrationLink Link>
+  StageStatus process(const RawSample& raw, Processed& out, Link& link) noexcept {
+    GuardedSample guarded;
+    if (guard_.process(raw, guarded) == StageStatus::kDrop) return StageStatus::kDrop;
+    take_answer(guarded.sample.t_ns, link);
+    find_window(guarded.sample, link);
+    CalibratedSample corrected;
+    correct_.process(guarded, corrected);
+    compensate_.process(corrected, out.sample);
+    out.after_gap = guarded.after_gap;
+    out.temp_measured = guard_.temp_known();
+    return estimate(out);
+  }
+
+  [[nodiscard]] const GuardStage& guard() const noexcept { return guard_; }
+  [[nodiscard]] const StagesCounts& counts() const noexcept { return counts_; }
+  [[nodiscard]] const CalibrationSnapshot& live() const noexcept { return correct_.live(); }
+  /// With a declination the magnetic heading is a true one.
+  [[nodiscard]] bool true_heading() const noexcept { return params_.attitude.declination_rad != 0.0; }
+  [[nodiscard]] calib::Refusal last_refusal() const noexcept { return rest_.last_refusal(); }
+
+ private:
+  template <CalibrationLink Link>
+  void take_answer(std::int64_t t_ns, Link& link) noexcept {
+    if (answered_ == submitted_ || t_ns < due_ns_) return;
+    const auto answer = link.answer(submitted_);
+    if (!answer) {
+      if (!late_) ++counts_.answers_late;
+      late_ = true;
+      return;
+    }
+    late_ = false;
+    answered_ = submitted_;
+    if (answer->snapshot.version == live().version) return;
+    filter_.rebase(live(), answer->snapshot);
+    correct_.use(answer->snapshot);
+  }
+
+  template <CalibrationLink Link>
+  void find_window(const RawSample& sample, Link& link) noexcept {
+    auto window = rest_.push(sample, live());
+    if (!window) return;
+    compensate_.compensate(*window, live());
+    ++counts_.windows;
+    if (!params_.learn) return;
+    if (!link.submit({submitted_ + 1, *window})) {
+      ++counts_.windows_dropped;
+      return;
+    }
+    ++submitted_;
+    due_ns_ = window->t_end_ns + static_cast<std::int64_t>(1e9 * params_.answer_delay_s);
+  }
+
+  StageStatus estimate(Processed& out) noexcept;
+
+  StagesParams params_;
+  GuardStage guard_;
+  calib::RestDetector rest_;
+  CorrectStage correct_;
+  CompensateStage compensate_;
+  fusion::AttitudeFilter filter_;
+  StagesCounts counts_;
+  std::uint64_t submitted_ = 0, answered_ = 0;  ///< numbers of windows
+  std::int64_t due_ns_ = 0;
+  bool late_ = false;
+};
+
+}  // namespace stillpoint::pipeline
