@@ -92,11 +92,18 @@ Taylor envelope(const Segment& s, const Taylor& t) {
 }
 
 void add_swings(TaylorVec& to, const std::array<Swing, 3>& swings, const Taylor& size, double t_s) {
+  Vec3 value = Vec3::Zero(), first = Vec3::Zero(), second = Vec3::Zero();
   for (const Swing& w : swings) {
     if (w.frequency_radps == 0.0) continue;
     const double c = std::cos(w.frequency_radps * t_s), s = std::sin(w.frequency_radps * t_s), k = w.frequency_radps;
-    to.add(w.cosine, size * Taylor{c, -k * s, -k * k * c});
-    to.add(w.sine, size * Taylor{s, k * c, -k * k * s});
+    const Vec3 here = c * w.cosine + s * w.sine;
+    value += here;
+    first += k * (c * w.sine - s * w.cosine);
+    second -= k * k * here;
+  }
+  for (std::size_t i = 0; i < 3; ++i) {
+    const auto axis = static_cast<Eigen::Index>(i);
+    to.at[i] = to.at[i] + size * Taylor{value[axis], first[axis], second[axis]};
   }
 }
 
