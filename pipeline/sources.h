@@ -24,7 +24,8 @@ class MemorySource {
   std::size_t next_ = 0;
 };
 
-/// Hands on the samples of another source when they are due: `factor` times real time. Sleeps on absolute time, so no
+/// Hands on the samples of another source when they are due: `factor` times real time, 0 as fast as they are
+/// asked for. Sleeps on absolute time, so no
 /// error adds up; a sample that could not be handed on in time keeps the time at which it was due.
 template <Source S>
 class PacedSource {
@@ -32,6 +33,7 @@ class PacedSource {
   PacedSource(S source, double factor) noexcept : source_(std::move(source)), factor_(factor) {}
 
   SourceState next(Arrival& out) noexcept {
+    if (factor_ <= 0.0) return source_.next(out);
     if (!held_) {
       const SourceState state = source_.next(pending_);
       if (state != SourceState::kSample) return state;

@@ -1,0 +1,33 @@
+/// `stillpointd`: the daemon. docs/daemon.md says how to run it, docs/configuration.md what it can be told.
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+
+#include "apps/stillpointd/daemon.h"
+
+int main(int argc, char** argv) {
+  using namespace stillpoint;
+  CLI::App cli{"Attitude from an inertial and magnetic sensor that calibrates itself while it lies still."};
+  std::string path;
+  bool check = false, print = false;
+  app::DaemonOptions options;
+  cli.add_option("--config", path, "configuration (.yaml)")->required();
+  cli.add_flag("--check-config", check, "say what is wrong with the configuration, and end (78 on any fault)");
+  cli.add_flag("--print-config", print, "show every value, its meaning and whether it is the default, and end");
+  cli.add_option("--wait-for-subscribers", options.wait_for_subscribers,
+                 "hold the first sample back until so many subscribers of the attitude are there");
+  try {
+    cli.parse(argc, argv);
+  } catch (const CLI::ParseError& e) {
+    return cli.exit(e) == 0 ? 0 : static_cast<int>(ErrorKind::kUsage);
+  }
+  const auto config = io::read_config(path);
+  if (!config) {
+    fmt::print(stderr, "stillpointd: {}\n", config.error().message);
+    return static_cast<int>(config.error().kind);
+  }
+  if (print) fmt::print("{}", io::print_config(*config));
+  if (check) fmt::print("{}: a configuration without fault\n", path);
+  if (print || check) return 0;
+  return app::run_daemon(*config, options);
+}

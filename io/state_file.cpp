@@ -1,0 +1,142 @@
+#include "io/state_file.h"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+
+namespace stillpoint::io {
+namespace {
+
+namespace fs = std::filesystem;
+constexpr int kFormat = 1;
+
+/// FNV-1a, 64 bit: against damage, not against malice.
+std::uint64_t checksum(std::span<const std::byte> bytes) {
+  std::uint64_t hash = 0xcbf29ce484222325ULL;
+  for (const std::byte b : bytes) hash = (hash ^ static_cast<std::uint64_t>(b)) * 0x100000001b3ULL;
+  return hash;
+}
+
+std::string header(const std::string& sensor_id, std::span<const std::byte> payload) {
+  return fmt::format("stillpoint-state {}\nsensor {}\nbytes {}\nfnv1a64 {:016x}\n\n", kFormat, sensor_id,
+                     payload.size(), checksum(payload));
+}
+
+tl::unexpected<Error> cannot(const std::string& what, const std::string& path) {
+  return fail(ErrorKind::kCannotCreate,
+              fmt::format("{}: {}: {}; the calibration cannot be kept", path, what, std::strerror(errno)));
+}
+
+class Descriptor {
+ public:
+  explicit Descriptor(int fd) : fd_(fd) {}
+  ~Descriptor() {
+    if (fd_ >= 0) ::close(fd_);
+  }
+  Descriptor(const Descriptor&) = delete;
+  Descriptor& operator=(const Descriptor&) = delete;
+  [[nodiscard]] int get() const { return fd_; }
+
+ private:
+  int fd_;
+};
+
+bool write_all(int fd, const char* data, std::size_t size) {
+  while (size > 0) {
+    const ssize_t written = ::write(fd, data, size);
+    if (written < 0 && errno == EINTR) continue;
+    if (written <= 0) return false;
+    data += written;
+    size -= static_cast<std::size_t>(written);
+  }
+  return true;
+}
+
+/// Without it a renamed file may be gone after a power loss.
+bool sync_folder(const std::string& folder) {
+  const Descriptor fd(::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
+  return fd.get() >= 0 && ::fsync(fd.get()) == 0;
+}
+
+}  // namespace
+
+StateStore::StateStore(std::string directory, std::string sensor_id, int keep)
+    : directory_(std::move(directory)), sensor_id_(std::move(sensor_id)), keep_(keep) {}
+
+std::string StateStore::path(int age) const {
+  return (fs::path(directory_) / (age == 0 ? sensor_id_ + ".state" : fmt::format("{}.{}.state", sensor_id_, age)))
+      .string();
+}
+
+Result<void> StateStore::probe() const {
+  std::error_code error;
+  fs::create_directories(directory_, error);
+  const std::string file = path() + ".tmp";
+  const Descriptor fd(::open(file.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC, 0640));
+  if (fd.get() < 0) return cannot("cannot be written", file);
+  ::unlink(file.c_str());
+  return {};
+}
+
+Result<void> StateStore::save(std::span<const std::byte> payload) const {
+  const std::string temporary = path() + ".tmp";
+  const std::string text =
+      header(sensor_id_, payload) + std::string(reinterpret_cast<const char*>(payload.data()), payload.size());
+  {
+    const Descriptor fd(::open(temporary.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0640));
+    if (fd.get() < 0) return cannot("cannot be written", temporary);
+    if (!write_all(fd.get(), text.data(), text.size()) || ::fsync(fd.get()) != 0)
+      return cannot("cannot be written whole", temporary);
+  }
+  // A crash between these renames leaves a gap in the ages, never the lack of a good file.
+  for (int age = keep_ - 1; age > 0; --age)
+    if (::rename(path(age - 1).c_str(), path(age).c_str()) != 0 && errno != ENOENT)
+      return cannot("cannot be renamed", path(age - 1));
+  if (::rename(temporary.c_str(), path().c_str()) != 0) return cannot("cannot be renamed", temporary);
+  if (!sync_folder(directory_)) return cannot("cannot be synced", directory_);
+  return {};
+}
+
+Result<std::vector<std::byte>> StateStore::read(const std::string& file) const {
+  std::ifstream in(file, std::ios::binary);
+  if (!in) return fail(ErrorKind::kNoInput, file);
+  const std::string text{std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
+  const auto end = text.find("\n\n");
+  if (end == std::string::npos) return fail(ErrorKind::kBadData, "not a state file, or cut short");
+  std::vector<std::byte> payload(text.size() - end - 2);
+  std::memcpy(payload.data(), text.data() + end + 2, payload.size());
+  if (text.substr(0, end + 2) == header(sensor_id_, payload)) return payload;
+  if (text.find(fmt::format("\nsensor {}\n", sensor_id_)) > end)
+    return fail(ErrorKind::kBadData, "it belongs to another sensor");
+  if (!text.starts_with(fmt::format("stillpoint-state {}\n", kFormat)))
+    return fail(ErrorKind::kBadData, "of another format");
+  return fail(ErrorKind::kBadData, "damaged: length or checksum is wrong");
+}
+
+StateStore::Loaded StateStore::load(const std::function<bool(std::span<const std::byte>)>& accept) const {
+  Loaded loaded;
+  for (int age = 0; age < keep_; ++age) {
+    const std::string file = path(age);
+    auto payload = read(file);
+    if (!payload && payload.error().kind == ErrorKind::kNoInput) continue;
+    if (payload && accept(*payload)) {
+      loaded.payload = std::move(*payload);
+      loaded.file = file;
+      return loaded;
+    }
+    const std::string aside = file + ".damaged";
+    const bool moved = ::rename(file.c_str(), aside.c_str()) == 0;
+    loaded.set_aside.push_back(fmt::format("{}: {}; {}", file,
+                                           payload ? "of another layout or not finite" : payload.error().message,
+                                           moved ? "set aside as " + aside : "it could not be renamed"));
+  }
+  return loaded;
+}
+
+}  // namespace stillpoint::io

@@ -1,0 +1,41 @@
+/// Keeps what was learnt about one sensor across restarts: versioned, checksummed, never half written (docs/daemon.md).
+/// DIR/ID.state is the newest; DIR/ID.1.state, DIR/ID.2.state, ... are the good ones before it.
+#pragma once
+#include <cstddef>
+#include <functional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "core/result.h"
+
+namespace stillpoint::io {
+
+class StateStore {
+ public:
+  /// `sensor_id` may not hold '/'. `keep` versions stay, the newest included.
+  StateStore(std::string directory, std::string sensor_id, int keep);
+
+  /// Creates the folder and tries to write there, before anything is learnt that could not be kept. Fails with 73.
+  [[nodiscard]] Result<void> probe() const;
+
+  /// Temporary file, fsync, the older ones moved up, rename, fsync of the folder. Fails with 73; the older ones stay.
+  [[nodiscard]] Result<void> save(std::span<const std::byte> payload) const;
+
+  struct Loaded {
+    std::vector<std::byte> payload;      ///< empty: nothing usable was found
+    std::string file;                    ///< where it came from
+    std::vector<std::string> set_aside;  ///< what was damaged, in words; those files are renamed, never deleted
+  };
+  /// The newest file that is whole and that `accept` takes; the ones it refuses are set aside like damaged ones.
+  [[nodiscard]] Loaded load(const std::function<bool(std::span<const std::byte>)>& accept) const;
+
+  [[nodiscard]] std::string path(int age = 0) const;
+
+ private:
+  [[nodiscard]] Result<std::vector<std::byte>> read(const std::string& file) const;
+  std::string directory_, sensor_id_;
+  int keep_;
+};
+
+}  // namespace stillpoint::io
