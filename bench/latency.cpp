@@ -115,6 +115,13 @@ int judge(const LatencyReport& report, const std::string& path) {
 }
 
 int run(const Options& options) {
+  const bool with_daemon = std::any_of(options.channels.begin(), options.channels.end(),
+                                       [](const std::string& channel) { return channel.starts_with("daemon/"); });
+  if (with_daemon && access(options.daemon.c_str(), X_OK) != 0) {
+    std::fprintf(stderr, "latency: %s: no such program; build stillpointd, or name it with --daemon\n",
+                 options.daemon.c_str());
+    return static_cast<int>(ErrorKind::kNoInput);
+  }
   const int cores = static_cast<int>(std::thread::hardware_concurrency());
   const bool fifo = options.fifo_priority > 0 && fifo_permitted(options.fifo_priority);
   CellSetup setup;

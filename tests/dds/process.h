@@ -42,9 +42,13 @@ class Process {
   Process& operator=(const Process&) = delete;
 
   [[nodiscard]] bool started() const { return pid_ > 0; }
-  void send(int signal_number) const { kill(pid_, signal_number); }
-  /// Exit code; 128 + signal when killed.
+  /// Does nothing when there is no child: kill(-1, ...) would reach every process of the user.
+  void send(int signal_number) const {
+    if (pid_ > 0) kill(pid_, signal_number);
+  }
+  /// Exit code; 128 + signal when killed, 127 when it never started.
   int wait() {
+    if (pid_ <= 0) return 127;
     int status = 0;
     waitpid(pid_, &status, 0);
     pid_ = -1;
