@@ -14,6 +14,7 @@
 #include <cstring>
 #include <filesystem>
 #include <fstream>
+#include <sstream>
 #include <thread>
 
 #include "bench/latency_channels.h"
@@ -152,12 +153,15 @@ Result<std::vector<Receipt>> run_daemon(const CellSetup& setup, const io::DdsPar
       params.domain, params.transport, setup.send_core, setup.receive_core, setup.fifo_priority);
   test::Process receiver(receiver_command(setup, params.domain));
   if (const auto ready = wait_until_ready(receiver); !ready) return tl::unexpected(ready.error());
-  test::Process daemon({setup.daemon, "--config", folder / "daemon.yaml"});
+  test::Process daemon({setup.daemon, "--config", folder / "daemon.yaml"}, folder / "log");
   auto receipts = collect(receiver);
   daemon.send(SIGTERM);
   const int code = daemon.wait();
+  std::stringstream log;
+  log << std::ifstream(folder / "log").rdbuf();
   fs::remove_all(folder);
-  if (code != 0) return fail(ErrorKind::kUnavailable, fmt::format("{} ended with code {}", setup.daemon, code));
+  if (code != 0)
+    return fail(ErrorKind::kUnavailable, fmt::format("{} ended with code {}:\n{}", setup.daemon, code, log.str()));
   return receipts;
 }
 

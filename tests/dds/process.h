@@ -1,5 +1,6 @@
 /// A child process for the tests that need a second one: started, read, stopped, killed; never left behind.
 #pragma once
+#include <fcntl.h>
 #include <signal.h>
 #include <spawn.h>
 #include <sys/wait.h>
@@ -15,14 +16,16 @@ namespace stillpoint::test {
 
 class Process {
  public:
-  /// Standard output goes to a pipe that output() reads; standard error is that of the test.
-  explicit Process(std::vector<std::string> command) {
+  /// Standard output goes to a pipe that output() reads; standard error to the file named, or where the caller's goes.
+  explicit Process(std::vector<std::string> command, const std::string& errors_to = {}) {
     std::array<int, 2> ends{};
     if (pipe(ends.data()) != 0) return;
     posix_spawn_file_actions_t actions;
     posix_spawn_file_actions_init(&actions);
     posix_spawn_file_actions_adddup2(&actions, ends[1], STDOUT_FILENO);
     posix_spawn_file_actions_addclose(&actions, ends[0]);
+    if (!errors_to.empty())
+      posix_spawn_file_actions_addopen(&actions, STDERR_FILENO, errors_to.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600);
     std::vector<char*> argv;
     for (std::string& word : command) argv.push_back(word.data());
     argv.push_back(nullptr);
