@@ -44,4 +44,7 @@ struct EffectInfo {
 /// nullptr where the ID is not known.
 [[nodiscard]] const EffectInfo* find_effect(std::string_view id);
 
+/// The catalogue as a page of Markdown: what `stillpoint effects` prints and docs/effects.md holds.
+[[nodiscard]] std::string effect_catalogue_page();
+
 }  // namespace stillpoint::sim

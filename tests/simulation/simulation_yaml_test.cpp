@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 
 #include <filesystem>
+#include <fstream>
 
 #include "simulation/effect_catalogue.h"
 #include "simulation/simulator.h"
@@ -25,8 +26,10 @@ TEST(SimulationYaml, NamesEveryMistakeWithLineAndColumn) {
               HasSubstr("s.yaml:3:14: unknown effect 'gyr_tmp_lin'; did you mean 'gyr_temp_lin'?"));
   EXPECT_THAT(faults_of(kSensor + "effects:\n  - {effect: gyr_gsens, G_radps_per_mps2: [1, 2, 3]}\n"),
               HasSubstr("s.yaml:3:43: 'G_radps_per_mps2' has 3 numbers, gyr_gsens takes 9"));
-  EXPECT_THAT(faults_of(kSensor + "effects: [{effect: gyr_delay}]\n"), HasSubstr("gyr_delay needs 'tau_s' (one number, s)"));
-  EXPECT_THAT(faults_of(kSensor + "effects: [{effect: gyr_lpf, tau_s: -1}]\n"), HasSubstr("'tau_s' must be greater than 0"));
+  EXPECT_THAT(faults_of(kSensor + "effects: [{effect: gyr_delay}]\n"),
+              HasSubstr("gyr_delay needs 'tau_s' (one number, s)"));
+  EXPECT_THAT(faults_of(kSensor + "effects: [{effect: gyr_lpf, tau_s: -1}]\n"),
+              HasSubstr("'tau_s' must be greater than 0"));
   EXPECT_THAT(faults_of(kSensor + "effects: [{effect: mag_hold, n: 2.5}]\n"), HasSubstr("whole number"));
   EXPECT_THAT(faults_of(kSensor + "effects: [{effect: acc_quad, k2_per_mps2: 1, axes: [x, q]}]\n"),
               HasSubstr("'q' is not an axis"));
@@ -92,6 +95,12 @@ TEST(SimulationYaml, ShippedSimulationsRun) {
   }
 }
 
+TEST(EffectCatalogue, PageInTheDocumentationIsTheTable) {
+  std::ifstream file(std::string(STILLPOINT_SOURCE_DIR) + "/docs/effects.md");
+  const std::string page{std::istreambuf_iterator<char>(file), {}};
+  EXPECT_EQ(page, effect_catalogue_page()) << "write it anew: stillpoint effects > docs/effects.md";
+}
+
 TEST(Gravity, FollowsLatitudeAndHeight) {
   EXPECT_NEAR(normal_gravity_mps2(0.0, 0.0), 9.7803253359, 1e-9);
   EXPECT_NEAR(normal_gravity_mps2(1.5707963267948966, 0.0), 9.8321849378, 1e-8);
@@ -100,12 +109,15 @@ TEST(Gravity, FollowsLatitudeAndHeight) {
   EXPECT_NEAR(config->gravity_mps2, 9.7803253359, 1e-9);
 }
 
-/// A constant offset and a linear map are wrong numbers, not effects: their d' is nothing. What H and B cannot take stays.
+/// A constant offset and a linear map are wrong numbers, not effects: their d' is nothing. What H and B cannot take
+/// stays.
 TEST(Strength, TakesBiasAndMatrixOff) {
-  auto config = *io::parse_simulation(kSensor + "motion: {kind: hand, duration_s: 60}\neffects:\n"
-                                                "  - {effect: acc_temp_lin, k_mps2_per_K: 0.01}\n"
-                                                "  - {effect: acc_temp_scale, S_per_K: 0.001}\n"
-                                                "environment: {temperature: {kind: constant, start_degC: 35}}\n", "x");
+  auto config = *io::parse_simulation(kSensor +
+                                          "motion: {kind: hand, duration_s: 60}\neffects:\n"
+                                          "  - {effect: acc_temp_lin, k_mps2_per_K: 0.01}\n"
+                                          "  - {effect: acc_temp_scale, S_per_K: 0.001}\n"
+                                          "environment: {temperature: {kind: constant, start_degC: 35}}\n",
+                                      "x");
   const std::shared_ptr<const Motion> motion = make_motion(*config.motion, 2);
   const auto constant = effect_strengths(config, motion, 2, {});
   EXPECT_NEAR(constant[0].sensor[0].rms_over_noise, 0.1 / 0.02, 1e-6);
