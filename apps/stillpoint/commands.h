@@ -20,6 +20,7 @@ inline int report(const Error& error) {
 
 void add_calibrate(CLI::App& app, Run& run);
 void add_check(CLI::App& app, Run& run);
+void add_demo(CLI::App& app, Run& run);
 void add_diagnose(CLI::App& app, Run& run);
 void add_estimate(CLI::App& app, Run& run);
 void add_noise(CLI::App& app, Run& run);

@@ -8,6 +8,7 @@ int main(int argc, char** argv) {
   app::Run run;
   app::add_calibrate(cli, run);
   app::add_check(cli, run);
+  app::add_demo(cli, run);
   app::add_diagnose(cli, run);
   app::add_estimate(cli, run);
   app::add_noise(cli, run);
