@@ -1,0 +1,48 @@
+/// What the tests of the two programs share: a scratch folder, configurations, the recordings that lie outside the
+/// project.
+#pragma once
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include "tests/dds/process.h"
+
+namespace stillpoint::test {
+
+class ScratchFolder {
+ public:
+  ScratchFolder() {
+    std::string pattern = (std::filesystem::temp_directory_path() / "stillpoint-test-XXXXXX").string();
+    path_ = mkdtemp(pattern.data());
+  }
+  ~ScratchFolder() { std::filesystem::remove_all(path_); }
+  ScratchFolder(const ScratchFolder&) = delete;
+  ScratchFolder& operator=(const ScratchFolder&) = delete;
+  [[nodiscard]] std::string operator/(const std::string& name) const { return (path_ / name).string(); }
+
+ private:
+  std::filesystem::path path_;
+};
+
+inline void write_file(const std::string& path, const std::string& text) { std::ofstream(path) << text; }
+inline std::string read_file(const std::string& path) {
+  std::ostringstream text;
+  text << std::ifstream(path).rdbuf();
+  return text.str();
+}
+inline std::string configs(const std::string& name) { return std::string(STILLPOINT_SOURCE_DIR "/configs/") + name; }
+inline std::string handheld() { return STILLPOINT_SOURCE_DIR "/../shared/recordings/handheld_9axis/sensor_data.csv"; }
+
+/// Standard error goes into a file; the exit code comes back.
+inline int run(const std::string& command, const std::string& stderr_file) {
+  Process process({"/bin/sh", "-c", command + " 2>" + stderr_file});
+  process.output();
+  return process.wait();
+}
+
+}  // namespace stillpoint::test

@@ -1,0 +1,78 @@
+#include <filesystem>
+
+#include "io/config.h"
+#include "tests/apps/apps_testing.h"
+
+namespace stillpoint::io {
+namespace {
+
+std::string faults(const std::string& text) {
+  const auto config = parse_config(text, "f.yaml");
+  if (config) return "no fault";
+  EXPECT_EQ(config.error().kind, ErrorKind::kBadConfig);
+  return config.error().message;
+}
+
+TEST(DaemonConfig, EveryShippedFileIsWithoutFault) {
+  std::size_t daemons = 0;
+  for (const auto& entry : std::filesystem::directory_iterator(STILLPOINT_SOURCE_DIR "/configs")) {
+    const std::string name = entry.path().filename().string();
+    if (entry.path().extension() != ".yaml" || name.starts_with("sim_")) continue;
+    const auto config = read_config(entry.path().string());
+    EXPECT_TRUE(config.has_value()) << (config ? "" : config.error().message);
+    ++daemons;
+  }
+  EXPECT_GE(daemons, 3U);
+}
+
+TEST(DaemonConfig, PrintedItReadsBackToTheSame) {
+  const auto config = parse_config(
+      "source: {kind: simulation, file: /a.yaml, speed: 3.5}\noutput: {world_frame: ned, mount: \"+y -x +z\"}\n"
+      "compensate: [{effect: acc_lever, r_m: [0.1, 0.2, 0.3]}]\nrest: {window_s: 1.25}\n",
+      "f.yaml");
+  ASSERT_TRUE(config.has_value()) << config.error().message;
+  const std::string text = print_config(*config);
+  const auto again = parse_config(text, "printed.yaml");
+  ASSERT_TRUE(again.has_value()) << again.error().message << text;
+  EXPECT_EQ(print_config(*again), text);
+}
+
+TEST(DaemonConfig, NamesEveryFaultAtItsPlaceNotOnlyTheFirst) {
+  const std::string all = faults(
+      "source: {kind: recordin, file: a.csv}\nrest: {window_s: .nan}\nattitude: {gyr_noise_radps_rtHz: fast}\n"
+      "stale_after_s: -1\nsensr: {}\noutput: {world_frame: end}\n");
+  for (const char* fault :
+       {"f.yaml:1:16: 'kind' cannot be recordin; did you mean 'recording'?", "f.yaml:2:18: 'window_s'",
+        "f.yaml:3:34: 'gyr_noise_radps_rtHz' must be a number", "f.yaml:4:16: 'stale_after_s' is -1",
+        "f.yaml:5:1: unknown key 'sensr'; did you mean 'sensor'?", "f.yaml:6:23: 'world_frame'"})
+    EXPECT_NE(all.find(fault), std::string::npos) << fault << "\nnot in\n" << all;
+}
+
+TEST(DaemonConfig, RefusesAMirroredMountAndNamesTheNearestRotation) {
+  EXPECT_NE(faults("output: {mount: \"+x +y -z\"}").find("mirrors"), std::string::npos);
+  EXPECT_NE(faults("output: {mount: \"+x +x +z\"}").find("is not a rotation"), std::string::npos);
+  EXPECT_NE(faults("output: {mount: \"+x +y\"}").find("three signed axes"), std::string::npos);
+  EXPECT_EQ(faults("output: {mount: \"+y -x +z\"}"), "no fault");
+}
+
+TEST(DaemonConfig, TakesOnlyEffectsThatCanBeTakenOutInRealTime) {
+  EXPECT_NE(faults("compensate: [{effect: acc_lpf, tau_s: 0.01}]").find("cannot be taken out"), std::string::npos);
+  EXPECT_NE(faults("compensate: [{effect: gyr_gsen}]").find("gyr_gsens"), std::string::npos);
+  const auto config =
+      parse_config("compensate: [{effect: gyr_gsens, G_radps_per_mps2: [1e-4,0,0, 0,2e-4,0, 0,0,3e-4]}]", "f.yaml");
+  ASSERT_TRUE(config.has_value()) << config.error().message;
+  EXPECT_EQ(stages_params(*config).compensation.gyr_gsens.diagonal(), Vec3(1e-4, 2e-4, 3e-4));
+}
+
+TEST(DaemonConfig, RefusesASensorIdThatWouldLeaveTheStateFolder) {
+  EXPECT_NE(faults("sensor: {id: ../../etc/passwd}").find("'id'"), std::string::npos);
+  EXPECT_NE(faults("sensor: {id: \"\"}").find("'id'"), std::string::npos);
+}
+
+TEST(DaemonConfig, RefusesAnAnswerThatWouldComeAfterTheNextWindow) {
+  EXPECT_NE(faults("rest: {window_s: 1}\ncalibration: {answer_delay_s: 1.5}").find("answer_delay_s"),
+            std::string::npos);
+}
+
+}  // namespace
+}  // namespace stillpoint::io

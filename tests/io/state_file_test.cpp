@@ -1,0 +1,85 @@
+#include "io/state_file.h"
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <filesystem>
+#include <fstream>
+
+namespace stillpoint::io {
+namespace {
+
+namespace fs = std::filesystem;
+
+class StateFile : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    std::string pattern = (fs::temp_directory_path() / "stillpoint-state-XXXXXX").string();
+    folder_ = mkdtemp(pattern.data());
+  }
+  void TearDown() override { fs::remove_all(folder_); }
+  static std::span<const std::byte> bytes(const std::string& text) { return std::as_bytes(std::span(text)); }
+  static std::string text(const StateStore::Loaded& loaded) {
+    return {reinterpret_cast<const char*>(loaded.payload.data()), loaded.payload.size()};
+  }
+  static bool anything(std::span<const std::byte>) { return true; }
+  std::string folder_;
+};
+
+TEST_F(StateFile, GivesBackTheNewestAndKeepsTheOnesBefore) {
+  const StateStore store(folder_, "imu", 3);
+  for (const char* content : {"one", "two", "three", "four"}) ASSERT_TRUE(store.save(bytes(content)).has_value());
+  EXPECT_EQ(text(store.load(anything)), "four");
+  fs::remove(store.path(0));
+  EXPECT_EQ(text(store.load(anything)), "three");
+  fs::remove(store.path(1));
+  EXPECT_EQ(text(store.load(anything)), "two");
+  EXPECT_FALSE(fs::exists(store.path(3)));
+}
+
+TEST_F(StateFile, EveryCutAndEveryFlippedBitIsNoticedAndTheOneBeforeServes) {
+  const StateStore store(folder_, "imu", 2);
+  const std::string content("what was learnt\n\nabout it", 25);
+  for (std::size_t damage = 0;; ++damage) {
+    ASSERT_TRUE(store.save(bytes("older")).has_value());
+    ASSERT_TRUE(store.save(bytes(content)).has_value());
+    const auto size = fs::file_size(store.path());
+    if (damage == 2 * size) break;
+    if (damage < size) {
+      fs::resize_file(store.path(), damage);
+    } else {
+      std::fstream file(store.path(), std::ios::binary | std::ios::in | std::ios::out);
+      file.seekg(static_cast<std::streamoff>(damage - size));
+      const int c = file.get();
+      file.seekp(static_cast<std::streamoff>(damage - size));
+      file.put(static_cast<char>(c ^ 0x10));
+    }
+    const auto loaded = store.load(anything);
+    ASSERT_EQ(text(loaded), "older") << "damage " << damage;
+    ASSERT_EQ(loaded.set_aside.size(), 1U);
+    ASSERT_TRUE(fs::exists(store.path() + ".damaged"));
+  }
+}
+
+TEST_F(StateFile, OfAnotherSensorOrOfAnotherLayoutIsSetAsideWithAMessage) {
+  ASSERT_TRUE(StateStore(folder_, "first", 1).save(bytes("x")).has_value());
+  fs::rename(folder_ + "/first.state", folder_ + "/second.state");
+  const auto loaded = StateStore(folder_, "second", 1).load(anything);
+  EXPECT_TRUE(loaded.payload.empty());
+  ASSERT_EQ(loaded.set_aside.size(), 1U);
+  EXPECT_NE(loaded.set_aside[0].find("another sensor"), std::string::npos);
+
+  const StateStore third(folder_, "third", 1);
+  ASSERT_TRUE(third.save(bytes("y")).has_value());
+  EXPECT_TRUE(third.load([](std::span<const std::byte>) { return false; }).payload.empty());
+}
+
+TEST_F(StateFile, AFolderThatCannotBeWrittenIsReportedBeforeAnythingIsLearnt) {
+  std::ofstream(folder_ + "/file") << "in the way";
+  const auto probed = StateStore(folder_ + "/file/below", "imu", 1).probe();
+  ASSERT_FALSE(probed.has_value());
+  EXPECT_EQ(probed.error().kind, ErrorKind::kCannotCreate);
+}
+
+}  // namespace
+}  // namespace stillpoint::io

@@ -1,0 +1,131 @@
+/// Whatever the sensor, the bus or the clock does, nothing invalid leaves the stages and time goes forward.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "pipeline/fault_injector.h"
+#include "pipeline/sources.h"
+#include "pipeline/stages.h"
+#include "tests/pipeline/samples.h"
+
+namespace stillpoint::pipeline {
+namespace {
+
+struct Outcome {
+  std::size_t published = 0, invalid = 0, backward = 0;
+  GuardCounts guard;
+  StagesCounts stages;
+};
+
+bool valid(const AttitudeMessage& m) {
+  double norm2 = 0.0;
+  for (const double x : m.q_world_body_xyzw) norm2 += x * x;
+  bool finite = std::abs(norm2 - 1.0) < 1e-6;
+  for (const double x : m.rate_radps) finite = finite && std::isfinite(x);
+  for (const double x : m.orientation_covariance_rad2) finite = finite && std::isfinite(x);
+  for (const double x : m.sigma_rpy_rad) finite = finite && std::isfinite(x) && x >= 0.0;
+  return finite;
+}
+
+Outcome run(const FaultParams& faults, double seconds = 60.0) {
+  FaultInjector<MemorySource> source(MemorySource(test::hand_samples(seconds)), faults);
+  calib::OnlineCalibrator calibrator({}, {});
+  DirectLink link(calibrator);
+  Stages stages(StagesParams{}, calibrator.snapshot());
+  Outcome outcome;
+  Arrival arrival;
+  Processed processed;
+  std::int64_t last_ns = std::numeric_limits<std::int64_t>::min();
+  while (source.next(arrival) == SourceState::kSample) {
+    if (stages.process(arrival.sample, processed, link) == StageStatus::kDrop) continue;
+    const AttitudeMessage m = to_message(processed, false);
+    ++outcome.published;
+    outcome.invalid += valid(m) ? 0U : 1U;
+    outcome.backward += m.t_ns > last_ns ? 0U : 1U;
+    last_ns = m.t_ns;
+  }
+  outcome.guard = stages.guard().counts();
+  outcome.stages = stages.counts();
+  return outcome;
+}
+
+void expect_sound(const Outcome& o) {
+  EXPECT_EQ(o.invalid, 0U);
+  EXPECT_EQ(o.backward, 0U);
+  EXPECT_GT(o.published, 1000U);
+}
+
+TEST(Faults, NoneAreFoundInASoundStream) {
+  const Outcome o = run({});
+  expect_sound(o);
+  EXPECT_EQ(o.guard.refused + o.guard.not_finite + o.guard.gaps + o.guard.clock_steps, 0U);
+  EXPECT_EQ(o.published, o.guard.samples);
+  EXPECT_GT(o.stages.windows, 2U);
+}
+
+TEST(Faults, LostSamplesAreCountedAsGaps) {
+  const Outcome o = run({.drop = 0.05});
+  expect_sound(o);
+  EXPECT_GT(o.guard.lost, 200U);
+  EXPECT_GT(o.guard.gaps, 150U);
+}
+
+TEST(Faults, ARepeatedSampleIsRefusedAndNeverPublishedTwice) {
+  const Outcome o = run({.duplicate = 0.1});
+  expect_sound(o);
+  EXPECT_GT(o.guard.refused, 400U);
+  EXPECT_EQ(o.published + o.guard.refused, o.guard.samples);
+}
+
+TEST(Faults, NotANumberIsTakenOutAndCounted) {
+  const Outcome o = run({.not_finite = 0.1});
+  expect_sound(o);
+  EXPECT_GT(o.guard.not_finite, 400U);
+}
+
+TEST(Faults, BrokenTransfersUpToTenToTheThreeHundredDoNoHarm) { expect_sound(run({.garbage = 0.05})); }
+
+TEST(Faults, APauseIsBridged) {
+  const Outcome o = run({.stall = 0.002, .stall_s = 3.0});
+  expect_sound(o);
+  EXPECT_GE(o.guard.longest_gap_ns, 2'900'000'000);
+}
+
+TEST(Faults, AClockSetBackOrFarForwardIsFollowed) {
+  for (const double step_s : {-0.5, -10.0, -1e6, 5.0, 1e6}) {
+    const Outcome o = run({.clock_step = 0.001, .clock_step_s = step_s});
+    expect_sound(o);
+    EXPECT_GT(o.published, o.guard.samples * 9 / 10) << "after a step of " << step_s << " s the stream must go on";
+    if (step_s != 5.0) {
+      EXPECT_GT(o.guard.clock_steps, 0U) << step_s;  // a step of 5 s forward is a pause for all we know
+    }
+  }
+}
+
+TEST(Faults, SaturationIsMarked) {
+  GuardStage guard({.gyr_limit_radps = 10.0});
+  GuardedSample out;
+  RawSample in{.t_ns = 1, .acc_mps2 = {0, 0, 9.8}, .gyr_radps = {0, -10.0, 0}, .has = kAcc | kGyr};
+  EXPECT_EQ(guard.process(in, out), StageStatus::kDegraded);
+  EXPECT_EQ(out.clipped, kGyr);
+}
+
+TEST(Faults, AllAtOnceWithManySeedsLetNothingInvalidOut) {
+  for (int seed = 1; seed <= 10; ++seed) {
+    const Outcome o = run({.drop = 0.02,
+                           .duplicate = 0.02,
+                           .not_finite = 0.02,
+                           .saturate = 0.02,
+                           .stall = 0.0005,
+                           .clock_step = 0.0005,
+                           .garbage = 0.02,
+                           .seed = seed},
+                          30.0);
+    EXPECT_EQ(o.invalid, 0U) << seed;
+    EXPECT_EQ(o.backward, 0U) << seed;
+    EXPECT_GT(o.published, 500U) << seed;
+  }
+}
+
+}  // namespace
+}  // namespace stillpoint::pipeline

@@ -1,0 +1,135 @@
+/// The two threads together; run under ThreadSanitizer by the preset `tsan`.
+#include <gtest/gtest.h>
+
+#include <bit>
+#include <memory>
+#include <thread>
+
+#include "pipeline/calibration_loop.h"
+#include "pipeline/sources.h"
+#include "tests/pipeline/samples.h"
+
+namespace stillpoint::pipeline {
+namespace {
+
+struct Collect {
+  std::vector<AttitudeMessage> messages;
+  bool publish(const AttitudeMessage& m) noexcept {
+    messages.push_back(m);
+    return true;
+  }
+};
+
+/// A slow thread that takes its time: `pause_ms` before every window's answer is seen by nobody else.
+struct Watch {
+  int pause_ms = 0;
+  std::size_t samples = 0, calibrations = 0, ticks = 0;
+  void on_sample(const Outgoing&) { ++samples; }
+  void on_calibration(const NumberedWindow&, const CalibrationSnapshot&) {
+    ++calibrations;
+    std::this_thread::sleep_for(std::chrono::milliseconds(pause_ms));
+  }
+  void on_tick(const SensorReport&, std::int64_t) { ++ticks; }
+};
+
+std::vector<AttitudeMessage> offline(const std::vector<RawSample>& samples) {
+  calib::OnlineCalibrator calibrator({}, {});
+  DirectLink link(calibrator);
+  Stages stages(StagesParams{}, calibrator.snapshot());
+  std::vector<AttitudeMessage> out;
+  Processed processed;
+  for (const auto& sample : samples)
+    if (stages.process(sample, processed, link) != StageStatus::kDrop) out.push_back(to_message(processed, false));
+  return out;
+}
+
+std::vector<AttitudeMessage> in_two_threads(const std::vector<RawSample>& samples, Watch& watch, double poll_s) {
+  const auto shared = std::make_unique<Shared>();
+  calib::OnlineCalibrator calibrator({}, {});
+  MemorySource source(samples);
+  Stages stages(StagesParams{}, calibrator.snapshot());
+  Collect sink;
+  SensorLoop<MemorySource, Collect> sensor(source, stages, sink, *shared, OnLateAnswer::kWait);
+  CalibrationLoop<Watch> calibration(calibrator, *shared, watch, poll_s);
+  std::thread slow([&] { calibration.run(); });
+  std::thread fast([&] { sensor.run(AtEnd::kStop); });
+  fast.join();
+  slow.join();
+  EXPECT_EQ(stages.counts().answers_late, 0U);
+  EXPECT_EQ(watch.samples + shared->outgoing.dropped(), samples.size());
+  return sink.messages;
+}
+
+TEST(Threads, GiveTheSameBitsAsOneThreadHoweverSlowTheCalibrationIs) {
+  const auto samples = test::hand_samples(40.0);
+  const auto expected = offline(samples);
+  ASSERT_GT(expected.back().calibration_version, 1U) << "nothing was learnt: the test would prove nothing";
+  for (const int pause_ms : {0, 3}) {
+    Watch watch{.pause_ms = pause_ms};
+    const auto got = in_two_threads(samples, watch, pause_ms == 0 ? 1e-4 : 5e-3);
+    ASSERT_EQ(got.size(), expected.size());
+    EXPECT_GT(watch.calibrations, 1U);
+    for (std::size_t i = 0; i < got.size(); ++i) {
+      ASSERT_EQ(got[i].calibration_version, expected[i].calibration_version) << "sample " << i;
+      for (std::size_t k = 0; k < 4; ++k)
+        ASSERT_EQ(std::bit_cast<std::uint64_t>(got[i].q_world_body_xyzw[k]),
+                  std::bit_cast<std::uint64_t>(expected[i].q_world_body_xyzw[k]))
+            << "sample " << i;
+    }
+  }
+}
+
+TEST(Threads, ALiveSensorNeverWaitsForAnAnswerAndTheLatenessIsCounted) {
+  const std::atomic<bool> stop{false};
+  const auto channel = std::make_unique<CalibrationChannel>();  // nobody answers
+  ThreadLink link(*channel, OnLateAnswer::kGoOn, stop);
+  Stages stages(StagesParams{}, CalibrationSnapshot{});
+  Processed processed;
+  std::size_t published = 0;
+  const auto samples = test::hand_samples(40.0);
+  for (const auto& sample : samples)
+    published += stages.process(sample, processed, link) != StageStatus::kDrop ? 1U : 0U;
+  EXPECT_EQ(published, samples.size());
+  EXPECT_GT(stages.counts().answers_late, 0U);
+  EXPECT_EQ(stages.live().version, 0U);
+}
+
+TEST(Threads, AStopEndsAWaitForAnAnswerThatNeverComes) {
+  std::atomic<bool> stop{false};
+  const auto channel = std::make_unique<CalibrationChannel>();
+  ThreadLink link(*channel, OnLateAnswer::kWait, stop);
+  std::thread waiting([&] { EXPECT_FALSE(link.answer(1).has_value()); });
+  stop.store(true);
+  waiting.join();
+}
+
+TEST(Threads, TheCellNeverGivesATornSnapshotAndTheRingLosesNothingItAccepted) {
+  const auto channel = std::make_unique<CalibrationChannel>();
+  constexpr std::uint64_t kCount = 20'000;
+  std::thread writer([&] {
+    for (std::uint64_t n = 1; n <= kCount; ++n) {
+      CalibrationAnswer answer{n, {}};
+      answer.snapshot.version = n;
+      answer.snapshot.mag.norm_sd = static_cast<double>(n);
+      channel->answers.store(answer);
+      NumberedWindow window{n, {}};
+      while (!channel->windows.try_push(window)) std::this_thread::yield();
+    }
+  });
+  std::uint64_t popped = 0, seen = 0;
+  while (popped < kCount) {
+    if (const auto window = channel->windows.try_pop()) {
+      ASSERT_EQ(window->number, ++popped);
+    }
+    if (const auto answer = channel->answers.try_load()) {
+      ASSERT_EQ(answer->number, answer->snapshot.version);
+      ASSERT_EQ(answer->snapshot.mag.norm_sd, static_cast<double>(answer->number));
+      ASSERT_GE(answer->number, seen);
+      seen = answer->number;
+    }
+  }
+  writer.join();
+}
+
+}  // namespace
+}  // namespace stillpoint::pipeline
