@@ -6,6 +6,7 @@
 
 #include "core/so3.h"
 #include "core/units.h"
+#include "fusion/attitude_storage.h"
 
 namespace stillpoint::fusion {
 namespace {
@@ -16,28 +17,21 @@ constexpr double kUnknownRate_radps = 2.0;  ///< rate of a body whose gyroscope 
 constexpr double kUnknownRate_time_s = 0.2;
 constexpr double kUnknownForce_mps2 = 5.0;  ///< acceleration while the accelerometer is absent
 constexpr double kLargestRate_radps = 1e3;  ///< beyond these a reading is a fault, not a measurement
-constexpr double kLargestForce_mps2 = 1e4;
+constexpr double kLargestForce_mps2 = 2e3;
 constexpr double kLargestField_uT = 1e5;
 constexpr double kStartTilt_rad = 0.1;     ///< the first reading may hold 1 m/s^2 of motion
+constexpr double kStuck_s = 1.0;           ///< noise changes a living reading long before
 constexpr double kMagneticMemory_s = 2.0;  ///< a heading trusted this long ago still counts as magnetic
-
-Quat quat(const Array4& q) { return Quat(q[0], q[1], q[2], q[3]); }
-
-Array4 array(const Quat& q) {
-  const Quat n = q.normalized();
-  const double sign = n.w() < 0 ? -1.0 : 1.0;
-  return {sign * n.w(), sign * n.x(), sign * n.y(), sign * n.z()};
-}
 
 bool usable(const CalibratedSample& s, SamplePart part, const Array3& reading, double limit) {
   return s.holds(part) && vec(reading).allFinite() && vec(reading).cwiseAbs().maxCoeff() < limit;
 }
 
-double wrapped(double angle) { return std::remainder(angle, 2.0 * kPi); }
-
-/// Heading of q: the angle of its turn about the vertical, counter-clockwise from east. Defined at every tilt but
-/// upside down.
-double heading_of(const Quat& q) { return wrapped(2.0 * std::atan2(q.z(), q.w())); }
+/// Variance that a step without gyroscope adds to the rotation, and one without accelerometer to the velocity.
+double unknown_turn2(double dt_s) { return kUnknownRate_radps * kUnknownRate_radps * 2.0 * kUnknownRate_time_s * dt_s; }
+double unknown_speed2(double dt_s) {
+  return kUnknownForce_mps2 * kUnknownForce_mps2 * 2.0 * kUnknownRate_time_s * dt_s;
+}
 
 }  // namespace
 
@@ -45,6 +39,7 @@ AttitudeFilter::AttitudeFilter(const AttitudeFilterParams& params) noexcept : pa
 
 void AttitudeFilter::reset(std::optional<double> heading_rad) noexcept {
   s_ = State{};
+  s_.hard_iron.reset(params_.hard_iron);
   s_.heading_given = heading_rad.has_value() && std::isfinite(*heading_rad);
   if (s_.heading_given) s_.start_heading_rad = wrapped(*heading_rad);
 }
@@ -85,6 +80,12 @@ void AttitudeFilter::start_from(const Vec3& acc_mps2) noexcept {
   const Quat tilt = Quat::FromTwoVectors(acc_mps2, Vec3::UnitZ());
   const Quat turn_to_heading(Eigen::AngleAxisd(s_.start_heading_rad - heading_of(tilt), Vec3::UnitZ()));
   s_.x.q_world_body = array(turn_to_heading * tilt);
+  start_errors();
+  s_.has_attitude = true;
+  s_.status = AttitudeStatus::kOk;
+}
+
+void AttitudeFilter::start_errors() noexcept {
   ErrorVector sd = ErrorVector::Zero();
   sd.segment<2>(kTheta).setConstant(kStartTilt_rad);
   sd(kTheta + 2) = s_.heading_given ? kStartTilt_rad : 0.0;
@@ -94,25 +95,40 @@ void AttitudeFilter::start_from(const Vec3& acc_mps2) noexcept {
   sd.segment<9>(kGyrMatrix).setConstant(params_.gyr_matrix_sd);
   sd(kDisturbance) = params_.heading_disturbance_rad;
   s_.error.start(sd);
-  s_.has_attitude = true;
-  s_.status = AttitudeStatus::kOk;
+}
+
+void AttitudeFilter::judge(const CalibratedSample& sample, bool acc, bool gyr, double dt_s) noexcept {
+  if (acc) s_.acc_repeats.note(sample.acc_mps2, dt_s);
+  if (gyr) s_.gyr_repeats.note(sample.gyr_radps, dt_s);
+  const bool acc_stuck = s_.acc_repeats.time_s > kStuck_s;
+  const bool gyr_stuck = s_.gyr_repeats.time_s > kStuck_s;
+  // Both unchanged is a simulation without noise at rest; one unchanged beside a living one is stuck. Its reading may
+  // still be true, so it serves on, with the noise of an absent one.
+  if (gyr_stuck && acc && !acc_stuck) {
+    mat(s_.sums.theta_rad2) += unknown_turn2(dt_s) * Mat3::Identity();
+  }
+  if (acc_stuck && gyr && !gyr_stuck) s_.sums.velocity_m2ps2 += unknown_speed2(dt_s);
+  const bool whole = acc && gyr && acc_stuck == gyr_stuck && sample.clipped == 0 && dt_s < kLongestStep_s;
+  s_.status = whole ? AttitudeStatus::kOk : AttitudeStatus::kDegraded;
 }
 
 void AttitudeFilter::turn(const CalibratedSample& sample, bool usable_reading, double dt_s) noexcept {
   Quat q = quat(s_.x.q_world_body);
-  const double unknown2 = kUnknownRate_radps * kUnknownRate_radps * 2.0 * kUnknownRate_time_s * dt_s;
-  double noise2 = params_.gyr_noise_radps_rtHz * params_.gyr_noise_radps_rtHz * dt_s;
+  const double rate2 = vec(s_.rate_radps).squaredNorm();
+  double noise2 = (params_.gyr_noise_radps_rtHz * params_.gyr_noise_radps_rtHz +
+                   params_.gyr_rate_noise_rtHz * params_.gyr_rate_noise_rtHz * rate2) *
+                  dt_s;
   Vec3 raw = Vec3::Zero();
   if (usable_reading) {
     raw = vec(sample.gyr_radps);
     const Eigen::Map<const Mat3> M(s_.x.gyr_matrix.data());
     vec(s_.rate_radps) = raw - M * raw - vec(s_.x.gyr_bias_radps);
   } else {
-    noise2 += unknown2;
+    noise2 += unknown_turn2(dt_s);
   }
   if (dt_s > kLongestStep_s) {
     vec(s_.rate_radps) *= usable_reading ? 1.0 : 0.0;
-    noise2 += unknown2;
+    noise2 += unknown_turn2(dt_s);
   }
   const double turned_s = std::min(dt_s, kLongestStep_s);
   const Vec3 rate = vec(s_.rate_radps);
@@ -134,9 +150,8 @@ void AttitudeFilter::turn(const CalibratedSample& sample, bool usable_reading, d
 }
 
 void AttitudeFilter::accelerate(const CalibratedSample& sample, bool usable_reading, double dt_s) noexcept {
-  const double turned_s = std::min(dt_s, kLongestStep_s);
   if (!usable_reading || dt_s > kLongestStep_s) {
-    s_.sums.velocity_m2ps2 += kUnknownForce_mps2 * kUnknownForce_mps2 * turned_s * turned_s;
+    s_.sums.velocity_m2ps2 += unknown_speed2(dt_s);
     return;
   }
   const Vec3 force = quat(s_.x.q_world_body) * Vec3(vec(sample.acc_mps2) - vec(s_.x.acc_bias_mps2));
@@ -147,7 +162,6 @@ void AttitudeFilter::accelerate(const CalibratedSample& sample, bool usable_read
   const double clipped_mps2 = (sample.clipped & kAcc) != 0 ? 0.3 * vec(sample.acc_mps2).norm() : 0.0;
   s_.sums.velocity_m2ps2 +=
       (params_.acc_noise_mps2_rtHz * params_.acc_noise_mps2_rtHz + 0.1 * clipped_mps2 * clipped_mps2) * dt_s;
-  s_.sums.accelerated = true;
 }
 
 void AttitudeFilter::gather_field(const CalibratedSample& sample) noexcept {
@@ -157,7 +171,9 @@ void AttitudeFilter::gather_field(const CalibratedSample& sample) noexcept {
   s_.magnetometer_seen = true;
   s_.last_field_uT = sample.mag_uT;
   if ((sample.clipped & kMag) != 0 || !s_.has_attitude) return;
-  vec(s_.sums.field_uT) += quat(s_.x.q_world_body) * Vec3(vec(sample.mag_uT));
+  const Mat3 R = quat(s_.x.q_world_body).toRotationMatrix();
+  vec(s_.sums.field_uT) += R * vec(sample.mag_uT);
+  mat(s_.sums.field_R) += R;
   ++s_.sums.fields;
 }
 
@@ -172,73 +188,20 @@ void AttitudeFilter::covariance_step() noexcept {
   noise.disturbance_time_s = params_.heading_disturbance_time_s;
   s_.error.propagate(s_.sums.motion, noise);
   s_.x.disturbance_rad *= std::exp(-time_s / params_.heading_disturbance_time_s);
-  if (s_.sums.accelerated) measure_motion(time_s);
+  measure_motion(time_s);
   if (!s_.sums.moved) measure_rest(time_s);
   s_.unmagnetic_s += time_s;
-  if (s_.sums.fields > 0) measure_heading(time_s);
+  if (s_.sums.fields > 0) measure_field(time_s);
   inject();
   s_.sums = Sums{};
 }
 
-void AttitudeFilter::measure_motion(double time_s) noexcept {
-  // (A8) A quantity that wanders about zero with deviation s and correlation time t has the power density 2 s^2 t.
-  const double per_time = 2.0 * params_.motion_time_s / time_s;
-  const double speed2 = params_.motion_speed_mps * params_.motion_speed_mps * per_time;
-  const double radius2 = params_.motion_radius_m * params_.motion_radius_m * per_time;
-  for (int i = 0; i < 3; ++i) {
-    const auto at = static_cast<std::size_t>(i);
-    s_.error.update(kVelocity + i, -s_.x.velocity_mps[at], speed2);
-    s_.error.update(kPosition + i, -s_.x.position_m[at], radius2);
-  }
-}
-
-void AttitudeFilter::measure_rest(double time_s) noexcept {
-  const double speed2 = params_.rest_speed_mps * params_.rest_speed_mps;
-  const double rate2 = params_.rest_rate_radps * params_.rest_rate_radps +
-                       params_.gyr_noise_radps_rtHz * params_.gyr_noise_radps_rtHz / time_s;
-  for (int i = 0; i < 3; ++i) {
-    const auto at = static_cast<std::size_t>(i);
-    s_.error.update(kVelocity + i, -s_.x.velocity_mps[at], speed2);
-    s_.error.update(kGyrBias + i, s_.sums.rate_radps_s[at] / time_s, rate2);
-  }
-}
-
-void AttitudeFilter::measure_heading(double time_s) noexcept {
-  const Vec3 field = vec(s_.sums.field_uT) / s_.sums.fields;
-  const double horizontal = std::hypot(field.x(), field.y());
-  const FieldVerdict verdict = s_.field.observe(params_.field_reference, horizontal, field.z(), time_s, s_.sums.moved);
-  if (!verdict.trusted && !verdict.accepted) return;
-  // Magnetic north lies at pi/2 - declination from east; the field seems turned from it by minus the heading error.
-  const double error = wrapped(0.5 * kPi - params_.declination_rad - std::atan2(field.y(), field.x()));
-  if (s_.magnetic_s == 0.0 && !s_.heading_given) {
-    s_.x.q_world_body = array(Quat(Eigen::AngleAxisd(error, Vec3::UnitZ())) * quat(s_.x.q_world_body));
-    const double tilt = kStartTilt_rad * field.z() / horizontal;
-    s_.error.forget(kTheta + 2, params_.heading_disturbance_rad * params_.heading_disturbance_rad +
-                                    params_.heading_noise_rad * params_.heading_noise_rad + tilt * tilt);
-    vec(s_.x.velocity_mps).setZero();
-    vec(s_.x.position_m).setZero();
-    s_.magnetic_s = time_s;
-    s_.unmagnetic_s = 0.0;
-    return;
-  }
-  if (verdict.accepted) {  // the present heading is kept: all of the deviation is the place's
-    s_.x.disturbance_rad = error;
-    s_.error.forget(kDisturbance,
-                    s_.error.P()(kTheta + 2, kTheta + 2) + params_.heading_noise_rad * params_.heading_noise_rad);
-    return;
-  }
-  ErrorVector h = ErrorVector::Zero();
-  h(kTheta + 2) = 1.0;
-  h(kDisturbance) = 1.0;
-  const double variance = params_.heading_noise_rad * params_.heading_noise_rad + verdict.heading_variance_rad2;
-  s_.error.update(h, wrapped(error - s_.x.disturbance_rad), variance);
-  s_.magnetic_s += time_s;
-  s_.unmagnetic_s = 0.0;
-}
-
 void AttitudeFilter::inject() noexcept {
   const ErrorVector d = s_.error.take_mean();
-  if (!d.allFinite()) return;
+  if (!d.allFinite() || !s_.error.P().allFinite()) {  // overflow: keep the attitude, forget what was known of its error
+    start_errors();
+    return;
+  }
   s_.x.q_world_body = array(exp_quat(d.segment<3>(kTheta)) * quat(s_.x.q_world_body));
   vec(s_.x.velocity_mps) += d.segment<3>(kVelocity);
   vec(s_.x.position_m) += d.segment<3>(kPosition);
@@ -282,16 +245,22 @@ AttitudeEstimate AttitudeFilter::estimate(std::int64_t t_ns) const noexcept {
 }
 
 void AttitudeFilter::rebase(const CalibrationSnapshot& from, const CalibrationSnapshot& to) noexcept {
-  // u' = H' (y - B') with y = H^-1 u + B, so u' = K u + c.
-  const Mat3 H_new = mat(to.gyr.matrix);
-  const Mat3 K_inverse = mat(from.gyr.matrix) * H_new.inverse();
-  if (!K_inverse.allFinite()) return;
-  // B and B' at their own reference: the difference of the slopes is new knowledge and passes through.
-  const Vec3 c = H_new * (from.gyr.bias_at(s_.temp_degC) - to.gyr.bias_at(s_.temp_degC));
-  Eigen::Map<Mat3> M(s_.x.gyr_matrix.data());
-  const Mat3 gain = (Mat3::Identity() - M) * K_inverse;
-  M = Mat3::Identity() - gain;
-  vec(s_.x.gyr_bias_radps) += gain * c;
+  // (A14) u' = H' (y - B') with y = H^-1 u + B, so u' = K u + c. At the present temperature the sum of both parts stays
+  // what it was; how B' changes with temperature from here on passes through.
+  const auto change = [this](const TriadCalibration& was, const TriadCalibration& is, Mat3& K, Vec3& c) {
+    K = mat(is.matrix) * mat(was.matrix).inverse();
+    c = mat(is.matrix) * (was.bias_at(s_.temp_degC) - is.bias_at(s_.temp_degC));
+    return K.allFinite() && c.allFinite() && std::abs(K.determinant()) > 1e-6;
+  };
+  Mat3 K;
+  Vec3 c;
+  if (change(from.gyr, to.gyr, K, c)) {
+    Eigen::Map<Mat3> M(s_.x.gyr_matrix.data());
+    const Mat3 gain = (Mat3::Identity() - M) * K.inverse();
+    M = Mat3::Identity() - gain;
+    vec(s_.x.gyr_bias_radps) += gain * c;
+  }
+  if (change(from.mag, to.mag, K, c)) s_.hard_iron.rebase(K, c);
 }
 
 }  // namespace stillpoint::fusion

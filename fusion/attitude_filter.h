@@ -13,68 +13,83 @@
 #include "fusion/attitude_estimate.h"
 #include "fusion/error_state.h"
 #include "fusion/field_reference.h"
+#include "fusion/hard_iron.h"
 
 namespace stillpoint::fusion {
 
 /// What is known of the sensor and of the way it is moved. No value depends on the sampling rate.
 struct AttitudeFilterParams {
-  double gyr_noise_radps_rtHz = 3e-4;
+  double gyr_noise_radps_rtHz = 2e-4;
+  double gyr_rate_noise_rtHz = 1e-3;
   double gyr_bias_sd_radps = 0.01;
-  double gyr_bias_walk_radps_rtHz = 2e-5;
-  double gyr_matrix_sd = 0.006;
-  double acc_bias_sd_mps2 = 0.05;
+  double gyr_bias_walk_radps_rtHz = 1e-4;
+  double gyr_matrix_sd = 0.004;
+  double acc_noise_mps2_rtHz = 0.03;
+  double acc_bias_sd_mps2 = 0.01;
   double acc_bias_walk_mps2_rtHz = 1e-4;
-  double acc_noise_mps2_rtHz = 0.01;
   double motion_speed_mps = 0.5;
-  double motion_radius_m = 0.3;
+  double motion_radius_m = 0.5;
   double motion_time_s = 0.5;
   double rest_speed_mps = 0.005;
-  double rest_rate_radps = 0.002;
-  double heading_noise_rad = 0.03;
+  double rest_rate_radps = 0.001;
+  bool use_magnetometer = true;
+  double heading_noise_rad = 0.07;
+  double heading_noise_time_s = 10.0;
   double heading_disturbance_rad = 0.05;
   double heading_disturbance_time_s = 10.0;
+  double heading_doubt_time_s = 2.0;
+  double heading_doubt = 0.3;
   FieldReferenceParams field_reference;
-  double update_period_s = 0.028;
+  HardIronParams hard_iron;
   double declination_rad = 0.0;
   double prediction_s = 0.0;
-  bool use_magnetometer = true;
+  double update_period_s = 0.05;
 
   static constexpr auto fields() {
     using P = AttitudeFilterParams;
     return std::tuple{
         field("gyr_noise_radps_rtHz", &P::gyr_noise_radps_rtHz, in_range(1e-7, 1.0),
               "white noise density of the gyroscope (angle random walk); the data sheet or an Allan plot has it"),
+        field("gyr_rate_noise_rtHz", &P::gyr_rate_noise_rtHz, in_range(0.0, 0.1),
+              "the same per rad/s of rate: what jitter, bandwidth and nonlinearity leave; 1e-3 is a consumer part"),
         field("gyr_bias_sd_radps", &P::gyr_bias_sd_radps, in_range(0.0, 1.0),
               "bias that the calibration may have left at the start"),
         field("gyr_bias_walk_radps_rtHz", &P::gyr_bias_walk_radps_rtHz, in_range(0.0, 0.1),
-              "random walk of that bias; small: slow to follow warming up, large: noisy bias"),
+              "random walk of that bias, stress and temperature included; small: slow to follow, large: noisy bias"),
         field("gyr_matrix_sd", &P::gyr_matrix_sd, in_range(0.0, 0.1),
-              "scale and misalignment error that the calibration may have left, per element"),
+              "scale and misalignment error that the calibration may have left, per element; 0: not learnt"),
+        field("acc_noise_mps2_rtHz", &P::acc_noise_mps2_rtHz, in_range(1e-6, 10.0),
+              "white noise density of the accelerometer, vibration included"),
         field("acc_bias_sd_mps2", &P::acc_bias_sd_mps2, in_range(0.0, 5.0),
               "accelerometer bias that the calibration may have left at the start"),
         field("acc_bias_walk_mps2_rtHz", &P::acc_bias_walk_mps2_rtHz, in_range(0.0, 1.0), "random walk of that bias"),
-        field("acc_noise_mps2_rtHz", &P::acc_noise_mps2_rtHz, in_range(1e-6, 10.0),
-              "white noise density of the accelerometer, vibration included"),
         field("motion_speed_mps", &P::motion_speed_mps, in_range(1e-3, 1e4),
               "typical speed about the mean position: hand motion 0.5, vehicle 20; large: tilt leans on the gyroscope"),
         field("motion_radius_m", &P::motion_radius_m, in_range(1e-3, 1e6), "typical distance from the mean position"),
         field("motion_time_s", &P::motion_time_s, in_range(1e-2, 1e4), "time after which the motion is another one"),
         field("rest_speed_mps", &P::rest_speed_mps, in_range(1e-5, 1.0), "speed that is still called rest"),
         field("rest_rate_radps", &P::rest_rate_radps, in_range(1e-6, 0.1), "turn rate that is still called rest"),
+        field("use_magnetometer", &P::use_magnetometer, "false: 6D, the heading is relative"),
         field("heading_noise_rad", &P::heading_noise_rad, in_range(1e-4, 1.0),
-              "error of one magnetic heading: noise and residual calibration, changing with the orientation"),
+              "deviation of one magnetic heading: unevenness of the place and what calibration left"),
+        field("heading_noise_time_s", &P::heading_noise_time_s, in_range(0.0, 1e4),
+              "time after which that deviation is another one: it averages out no faster"),
         field("heading_disturbance_rad", &P::heading_disturbance_rad, in_range(0.0, 3.0),
-              "typical magnetic deviation of the place; the part of the heading error that stays"),
+              "part of the deviation that is followed as a state"),
         field("heading_disturbance_time_s", &P::heading_disturbance_time_s, in_range(0.1, 1e5),
-              "time after which that deviation is another one"),
+              "time after which that part is another one"),
+        field("heading_doubt_time_s", &P::heading_doubt_time_s, in_range(0.01, 1e4),
+              "innovations larger than expected for this long make the filter doubt its heading"),
+        field("heading_doubt", &P::heading_doubt, in_range(0.0, 10.0),
+              "part of the excess that is added to the heading variance; 0: off"),
         field("field_reference", &P::field_reference, "when the magnetic field is the reference field"),
-        field("update_period_s", &P::update_period_s, in_range(1e-4, 1.0),
-              "the covariance runs at this period, the attitude at every sample"),
+        field("hard_iron", &P::hard_iron, "magnetism fixed to the sensor"),
         field("declination_rad", &P::declination_rad, in_range(-3.15, 3.15),
               "angle from true north to magnetic north, positive when magnetic north lies east"),
         field("prediction_s", &P::prediction_s, in_range(0.0, 0.1),
               "fixed latency to make up for: the published attitude is turned on by rate times this; 0: off"),
-        field("use_magnetometer", &P::use_magnetometer, "false: 6D, the heading is relative")};
+        field("update_period_s", &P::update_period_s, in_range(1e-4, 1.0),
+              "the covariance runs at this period, the attitude at every sample")};
   }
 };
 
@@ -111,23 +126,34 @@ class AttitudeFilter {
     double velocity_m2ps2 = 0.0;
     Array3 rate_radps_s{};  ///< integral of the corrected rate
     Array3 field_uT{};      ///< sum of the readings in world axes
+    Array9 field_R{};       ///< sum of R_world_body at these readings
     int fields = 0;
-    bool moved = false;        ///< the rest detector said so at least once
-    bool accelerated = false;  ///< an accelerometer reading was there
+    bool moved = false;  ///< the rest detector said so at least once
+  };
+  struct Repetition {  ///< for how long a reading has been the same to the last bit
+    Array3 last{};
+    double time_s = 0.0;
+    void note(const Array3& reading, double dt_s) noexcept {
+      time_s = reading == last ? time_s + dt_s : 0.0;
+      last = reading;
+    }
   };
   struct State {
     Nominal x;
     ErrorState error;
     FieldReference field;
+    HardIron hard_iron;
     Sums sums;
     std::int64_t t_ns = 0;
     Array3 rate_radps{};     ///< last corrected rate, for bridging
     Array3 last_field_uT{};  ///< last reading, to tell a held value from a new one
+    Repetition acc_repeats, gyr_repeats;
     double temp_degC = 25.0;
     double start_heading_rad = 0.0;
     double magnetic_s = 0.0;      ///< time of trusted magnetic heading so far
     double unmagnetic_s = 1e9;    ///< time since the last trusted one
-    double heading_stress = 0.0;  ///< mean square of the normalised heading innovation
+    double rest_doubt_s = 0.0;    ///< for this long the rest detector is not believed
+    double heading_stress = 0.0;  ///< signed mean square of the normalised heading innovation
     bool heading_given = false;
     bool clock_started = false;
     bool has_attitude = false;
@@ -137,13 +163,18 @@ class AttitudeFilter {
   };
 
   void start_from(const Vec3& acc_mps2) noexcept;
+  void start_errors() noexcept;
+  void judge(const CalibratedSample& sample, bool acc, bool gyr, double dt_s) noexcept;
   void turn(const CalibratedSample& sample, bool usable, double dt_s) noexcept;
   void accelerate(const CalibratedSample& sample, bool usable, double dt_s) noexcept;
   void gather_field(const CalibratedSample& sample) noexcept;
   void covariance_step() noexcept;
   void measure_motion(double time_s) noexcept;
   void measure_rest(double time_s) noexcept;
-  void measure_heading(double time_s) noexcept;
+  void measure_field(double time_s) noexcept;
+  void start_heading(double error_rad, const Eigen::Vector2d& lean) noexcept;
+  void measure_heading(double error_rad, const Eigen::Vector2d& lean, double field_variance_rad2,
+                       double time_s) noexcept;
   void inject() noexcept;
   [[nodiscard]] AttitudeEstimate estimate(std::int64_t t_ns) const noexcept;
 

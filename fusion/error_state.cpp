@@ -71,6 +71,11 @@ void ErrorState::forget(int index, double variance) noexcept {
   P()(index, index) = variance;
 }
 
+void ErrorState::depend(int index, const Eigen::Vector2d& weights) noexcept {
+  P().row(index) += weights.transpose() * P().middleRows<2>(kTheta);
+  P().col(index) += P().middleCols<2>(kTheta) * weights;
+}
+
 ErrorVector ErrorState::take_mean() noexcept {
   const ErrorVector taken = mean();
   mean_.fill(0.0);

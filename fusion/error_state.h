@@ -67,6 +67,9 @@ class ErrorState {
   /// Forgets one error: its variance is set and its correlations are dropped.
   void forget(int index, double variance) noexcept;
 
+  /// Makes one error, so far independent, depend on the tilt: x(index) += weights' (theta_x, theta_y).
+  void depend(int index, const Eigen::Vector2d& weights) noexcept;
+
   /// The correction gathered since the last call; the mean is zero afterwards.
   [[nodiscard]] ErrorVector take_mean() noexcept;
 

@@ -1,0 +1,100 @@
+/// What the attitude filter learns from motion, rest and the magnetic field: the measurements of AttitudeFilter.
+#include <algorithm>
+#include <cmath>
+
+#include "fusion/attitude_filter.h"
+#include "fusion/attitude_storage.h"
+
+namespace stillpoint::fusion {
+namespace {
+
+constexpr double kPi = std::numbers::pi;
+constexpr double kRestSurprise = 16.0;  ///< of a chi-square of three: one in a thousand at true rest
+constexpr double kRestDoubt_s = 1.0;    ///< the rest detector has seen the motion by then
+
+}  // namespace
+
+void AttitudeFilter::measure_motion(double time_s) noexcept {
+  // (A8) A quantity that wanders about zero with deviation s and correlation time t has the power density 2 s^2 t.
+  const double per_time = 2.0 * params_.motion_time_s / time_s;
+  const double speed2 = params_.motion_speed_mps * params_.motion_speed_mps * per_time;
+  const double radius2 = params_.motion_radius_m * params_.motion_radius_m * per_time;
+  for (int i = 0; i < 3; ++i) {
+    const auto at = static_cast<std::size_t>(i);
+    s_.error.update(kVelocity + i, -s_.x.velocity_mps[at], speed2);
+    s_.error.update(kPosition + i, -s_.x.position_m[at], radius2);
+  }
+}
+
+void AttitudeFilter::measure_rest(double time_s) noexcept {
+  const double speed2 = params_.rest_speed_mps * params_.rest_speed_mps;
+  const double rate2 = params_.rest_rate_radps * params_.rest_rate_radps +
+                       params_.gyr_noise_radps_rtHz * params_.gyr_noise_radps_rtHz / time_s;
+  const Vec3 rate = vec(s_.sums.rate_radps_s) / time_s;
+  // The rest detector looks back over a window; a motion that has just begun is seen here first.
+  double surprise = 0.0;
+  for (int i = 0; i < 3; ++i) surprise += rate(i) * rate(i) / (s_.error.P()(kGyrBias + i, kGyrBias + i) + rate2);
+  s_.rest_doubt_s = surprise > kRestSurprise ? kRestDoubt_s : s_.rest_doubt_s - time_s;
+  if (s_.rest_doubt_s > 0.0) return;
+  for (int i = 0; i < 3; ++i) {
+    const auto at = static_cast<std::size_t>(i);
+    s_.error.update(kVelocity + i, -s_.x.velocity_mps[at], speed2);
+    s_.error.update(kGyrBias + i, rate(i), rate2);
+  }
+}
+
+void AttitudeFilter::measure_field(double time_s) noexcept {
+  const Mat3 R_mean = mat(s_.sums.field_R) / s_.sums.fields;
+  const Vec3 seen = vec(s_.sums.field_uT) / s_.sums.fields;
+  s_.hard_iron.observe(params_.hard_iron, seen, R_mean, time_s);
+  const Vec3 field = seen - R_mean * s_.hard_iron.body_uT(params_.hard_iron);
+  const double horizontal = std::hypot(field.x(), field.y());
+  const FieldVerdict verdict = s_.field.observe(params_.field_reference, horizontal, field.z(), time_s, s_.sums.moved);
+  if (!verdict.trusted && !verdict.accepted) return;
+  // (A10) Magnetic north lies at pi/2 - declination from east; the field seems turned from it by minus the error.
+  const double error = wrapped(0.5 * kPi - params_.declination_rad - std::atan2(field.y(), field.x()));
+  // A tilt error leans the vertical field into the horizontal plane: the heading turns with the tilt about north.
+  const Eigen::Vector2d lean = field.z() / (horizontal * horizontal) * field.head<2>();
+  if (verdict.accepted) {  // the present heading is kept: all of the deviation is the place's
+    s_.x.disturbance_rad = error;
+    s_.error.forget(kDisturbance,
+                    s_.error.P()(kTheta + 2, kTheta + 2) + params_.heading_noise_rad * params_.heading_noise_rad);
+    return;
+  }
+  if (s_.magnetic_s == 0.0 && !s_.heading_given) {
+    start_heading(error, lean);
+  } else {
+    measure_heading(error, lean, verdict.heading_variance_rad2, time_s);
+  }
+  s_.magnetic_s += time_s;
+  s_.unmagnetic_s = 0.0;
+}
+
+void AttitudeFilter::start_heading(double error_rad, const Eigen::Vector2d& lean) noexcept {
+  const Quat turn_by(Eigen::AngleAxisd(error_rad, Vec3::UnitZ()));
+  s_.x.q_world_body = array(turn_by * quat(s_.x.q_world_body));
+  vec(s_.x.velocity_mps) = turn_by * Vec3(vec(s_.x.velocity_mps));
+  vec(s_.x.position_m) = turn_by * Vec3(vec(s_.x.position_m));
+  s_.error.forget(kTheta + 2, params_.heading_disturbance_rad * params_.heading_disturbance_rad +
+                                  params_.heading_noise_rad * params_.heading_noise_rad);
+  s_.error.depend(kTheta + 2, turn_by.toRotationMatrix().topLeftCorner<2, 2>() * lean);
+}
+
+void AttitudeFilter::measure_heading(double error_rad, const Eigen::Vector2d& lean, double field_variance_rad2,
+                                     double time_s) noexcept {
+  ErrorVector h = ErrorVector::Zero();
+  h.segment<2>(kTheta) = -lean;
+  h(kTheta + 2) = 1.0;
+  h(kDisturbance) = 1.0;
+  const double instant = params_.heading_noise_rad * params_.heading_noise_rad + field_variance_rad2;
+  const double innovation = wrapped(error_rad - s_.x.disturbance_rad);
+  // (A13) Innovations of one sign that stay larger than they should mean a heading gone astray: believe it less.
+  const double expected = s_.error.P()(kTheta + 2, kTheta + 2) + s_.error.P()(kDisturbance, kDisturbance) + instant;
+  const double blend = std::min(1.0, time_s / params_.heading_doubt_time_s);
+  s_.heading_stress += blend * (innovation * std::abs(innovation) / expected - s_.heading_stress);
+  const double excess = std::abs(s_.heading_stress) - 1.0;
+  if (excess > 0.0) s_.error.add_variance(kTheta + 2, params_.heading_doubt * blend * excess * expected);
+  s_.error.update(h, innovation, instant * std::max(1.0, 2.0 * params_.heading_noise_time_s / time_s));
+}
+
+}  // namespace stillpoint::fusion

@@ -1,0 +1,24 @@
+/// How the filter keeps and reads its quaternion. Internal to fusion.
+#pragma once
+#include <cmath>
+#include <numbers>
+
+#include "fusion/attitude_estimate.h"
+
+namespace stillpoint::fusion {
+
+inline Quat quat(const Array4& q) { return Quat(q[0], q[1], q[2], q[3]); }
+
+/// Unit norm and w >= 0, so that the same attitude has the same four numbers.
+inline Array4 array(const Quat& q) {
+  const Quat n = q.normalized();
+  const double sign = n.w() < 0 ? -1.0 : 1.0;
+  return {sign * n.w(), sign * n.x(), sign * n.y(), sign * n.z()};
+}
+
+inline double wrapped(double angle_rad) { return std::remainder(angle_rad, 2.0 * std::numbers::pi); }
+
+/// Angle of the turn about the vertical, counter-clockwise from east. Defined at every tilt but upside down.
+inline double heading_of(const Quat& q) { return wrapped(2.0 * std::atan2(q.z(), q.w())); }
+
+}  // namespace stillpoint::fusion

@@ -1,0 +1,74 @@
+#include "fusion/hard_iron.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace stillpoint::fusion {
+namespace {
+
+using Matrix6 = Eigen::Matrix<double, 6, 6>;
+using Vector6 = Eigen::Matrix<double, 6, 1>;
+constexpr double kUnknownField_uT = 100.0;
+constexpr double kSurprise = 16.0;      ///< of a chi-square of three
+constexpr double kMisfitTime_s = 10.0;  ///< a misfit this long is a new state of affairs: learn anew
+
+}  // namespace
+
+void HardIron::reset(const HardIronParams& params) noexcept {
+  *this = HardIron{};
+  Eigen::Map<Matrix6> P(p_.data());
+  P.topLeftCorner<3, 3>() = kUnknownField_uT * kUnknownField_uT * Mat3::Identity();
+  P.bottomRightCorner<3, 3>() = params.sd_uT * params.sd_uT * Mat3::Identity();
+}
+
+Vec3 HardIron::body_uT(const HardIronParams& params) const noexcept {
+  const Vec3 h = vec(body_);
+  if (params.sd_uT <= 0.0) return Vec3::Zero();
+  const double evidence = h.dot(body_covariance().ldlt().solve(h));
+  return evidence > params.doubt ? Vec3(h * (1.0 - params.doubt / evidence)) : Vec3::Zero();
+}
+
+Mat3 HardIron::body_covariance() const noexcept {
+  return Eigen::Map<const Matrix6>(p_.data()).bottomRightCorner<3, 3>();
+}
+
+void HardIron::observe(const HardIronParams& params, const Vec3& field_world_uT, const Mat3& R_mean,
+                       double time_s) noexcept {
+  if (params.sd_uT <= 0.0 || !field_world_uT.allFinite()) return;
+  Eigen::Map<Matrix6> P(p_.data());
+  for (int i = 0; i < 3; ++i) {
+    P(i, i) += params.field_walk_uT_rtHz * params.field_walk_uT_rtHz * time_s;
+    P(3 + i, 3 + i) += params.walk_uT_rtHz * params.walk_uT_rtHz * time_s;
+  }
+  // (A15) The unevenness of the place stays for a while: it has a power density, not a variance per reading.
+  const double variance = params.noise_uT * params.noise_uT * std::max(1.0, 2.0 * params.noise_time_s / time_s);
+  Eigen::Matrix<double, 3, 6> H;
+  H << Mat3::Identity(), R_mean;
+  const Eigen::Matrix<double, 6, 3> PHt = P * H.transpose();
+  const Mat3 S = H * PHt + variance * Mat3::Identity();
+  const Vec3 residual = field_world_uT - vec(place_) - R_mean * vec(body_);
+  const Mat3 S_instant = S + (params.noise_uT * params.noise_uT - variance) * Mat3::Identity();
+  const bool misfit = started_ && residual.dot(S_instant.inverse() * residual) > kSurprise;
+  misfit_s_ = misfit ? misfit_s_ + time_s : 0.0;
+  if (misfit_s_ > kMisfitTime_s) {
+    reset(params);
+    return;
+  }
+  if (misfit) return;
+  const Eigen::Matrix<double, 6, 3> K = PHt * S.inverse();
+  const Vector6 correction = K * residual;
+  P -= K * PHt.transpose();
+  P = Matrix6(0.5 * (P + P.transpose()));
+  vec(place_) += correction.head<3>();
+  vec(body_) += correction.tail<3>();
+  started_ = true;
+}
+
+void HardIron::rebase(const Mat3& K, const Vec3& c) noexcept {
+  Eigen::Map<Matrix6> P(p_.data());
+  vec(body_) = K * vec(body_) + c;
+  P.rightCols<3>() = P.rightCols<3>() * K.transpose();
+  P.bottomRows<3>() = K * P.bottomRows<3>();
+}
+
+}  // namespace stillpoint::fusion
