@@ -1,7 +1,9 @@
 /// BROAD's own score (Laidig, Caruso, Cereatti, Seel, "BROAD - A Benchmark for Robust Inertial Orientation Estimation",
 /// Data 2021) and the trials that the folder ../shared/recordings/broad holds.
 #pragma once
+#include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <filesystem>
 #include <string>
 #include <vector>
@@ -21,12 +23,14 @@ struct Score {
   double total = 0.0, heading = 0.0, inclination = 0.0;
 };
 
-/// Gathers q_e = q_est conj(q_ref) in the ENU world: total 2 acos|w|, heading 2 atan|z/w|, inclination 2 acos sqrt(w^2 + z^2).
+/// Gathers q_e = q_est conj(q_ref) in the ENU world: total 2 acos|w|, heading 2 atan|z/w|, inclination 2 acos sqrt(w^2
+/// + z^2).
 class Scorer {
  public:
   void add(const Quat& estimate, const Eigen::Vector4d& reference_wxyz, double moving) {
     if (!(moving == 1.0) || !reference_wxyz.allFinite()) return;
-    const Quat reference = Quat(reference_wxyz(0), reference_wxyz(1), reference_wxyz(2), reference_wxyz(3)).normalized();
+    const Quat reference =
+        Quat(reference_wxyz(0), reference_wxyz(1), reference_wxyz(2), reference_wxyz(3)).normalized();
     const Quat e = estimate * reference.conjugate();
     const double total = 2.0 * std::acos(std::min(1.0, std::abs(e.w())));
     const double heading = 2.0 * std::atan2(std::abs(e.z()), std::abs(e.w()));
@@ -37,7 +41,9 @@ class Scorer {
     ++n_;
   }
   [[nodiscard]] Score score() const {
-    const auto rms = [this](double sum) { return n_ > 0 ? std::sqrt(sum / static_cast<double>(n_)) * kDegPerRad : 0.0; };
+    const auto rms = [this](double sum) {
+      return n_ > 0 ? std::sqrt(sum / static_cast<double>(n_)) * kDegPerRad : 0.0;
+    };
     return {rms(total2_), rms(heading2_), rms(inclination2_)};
   }
 

@@ -64,8 +64,7 @@ AttitudeEstimate AttitudeFilter::step(const CalibratedSample& sample, bool at_re
     }
   }
   s_.at_rest = at_rest;
-  s_.status =
-      acc && gyr && sample.clipped == 0 && dt_s < kLongestStep_s ? AttitudeStatus::kOk : AttitudeStatus::kDegraded;
+  judge(sample, acc, gyr, dt_s);
   turn(sample, gyr, dt_s);
   accelerate(sample, acc, dt_s);
   gather_field(sample);
@@ -80,6 +79,9 @@ void AttitudeFilter::start_from(const Vec3& acc_mps2) noexcept {
   const Quat tilt = Quat::FromTwoVectors(acc_mps2, Vec3::UnitZ());
   const Quat turn_to_heading(Eigen::AngleAxisd(s_.start_heading_rad - heading_of(tilt), Vec3::UnitZ()));
   s_.x.q_world_body = array(turn_to_heading * tilt);
+  // What motion adds to gravity along the reading it adds across it too, where it tilts.
+  s_.start_tilt_rad =
+      kStartTilt_rad + std::min(1.0, std::abs(acc_mps2.norm() - kStandardGravity_mps2) / kStandardGravity_mps2);
   start_errors();
   s_.has_attitude = true;
   s_.status = AttitudeStatus::kOk;
@@ -87,7 +89,7 @@ void AttitudeFilter::start_from(const Vec3& acc_mps2) noexcept {
 
 void AttitudeFilter::start_errors() noexcept {
   ErrorVector sd = ErrorVector::Zero();
-  sd.segment<2>(kTheta).setConstant(kStartTilt_rad);
+  sd.segment<2>(kTheta).setConstant(s_.start_tilt_rad);
   sd(kTheta + 2) = s_.heading_given ? kStartTilt_rad : 0.0;
   sd.segment<3>(kVelocity).setConstant(params_.motion_speed_mps);
   sd.segment<3>(kGyrBias).setConstant(params_.gyr_bias_sd_radps);
@@ -190,7 +192,7 @@ void AttitudeFilter::covariance_step() noexcept {
   s_.x.disturbance_rad *= std::exp(-time_s / params_.heading_disturbance_time_s);
   measure_motion(time_s);
   if (!s_.sums.moved) measure_rest(time_s);
-  s_.unmagnetic_s += time_s;
+  if (s_.sums.moved) s_.unmagnetic_s += time_s;  // at rest nothing turns, so the last heading serves
   if (s_.sums.fields > 0) measure_field(time_s);
   inject();
   s_.sums = Sums{};

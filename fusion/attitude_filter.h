@@ -111,6 +111,8 @@ class AttitudeFilter {
   void rebase(const CalibrationSnapshot& from, const CalibrationSnapshot& to) noexcept;
 
   [[nodiscard]] const AttitudeFilterParams& params() const noexcept { return params_; }
+  /// The uncertainty of everything estimated, for tests and diagnosis.
+  [[nodiscard]] const ErrorState& error_state() const noexcept { return s_.error; }
 
  private:
   struct Nominal {  ///< the estimate itself; the error state holds its uncertainty
@@ -150,6 +152,7 @@ class AttitudeFilter {
     Repetition acc_repeats, gyr_repeats;
     double temp_degC = 25.0;
     double start_heading_rad = 0.0;
+    double start_tilt_rad = 0.1;  ///< standard deviation
     double magnetic_s = 0.0;      ///< time of trusted magnetic heading so far
     double unmagnetic_s = 1e9;    ///< time since the last trusted one
     double rest_doubt_s = 0.0;    ///< for this long the rest detector is not believed

@@ -11,6 +11,7 @@ namespace {
 constexpr double kPi = std::numbers::pi;
 constexpr double kRestSurprise = 16.0;  ///< of a chi-square of three: one in a thousand at true rest
 constexpr double kRestDoubt_s = 1.0;    ///< the rest detector has seen the motion by then
+constexpr double kKnownTilt_rad = 0.05;
 
 }  // namespace
 
@@ -46,11 +47,18 @@ void AttitudeFilter::measure_rest(double time_s) noexcept {
 void AttitudeFilter::measure_field(double time_s) noexcept {
   const Mat3 R_mean = mat(s_.sums.field_R) / s_.sums.fields;
   const Vec3 seen = vec(s_.sums.field_uT) / s_.sums.fields;
-  s_.hard_iron.observe(params_.hard_iron, seen, R_mean, time_s);
   const Vec3 field = seen - R_mean * s_.hard_iron.body_uT(params_.hard_iron);
   const double horizontal = std::hypot(field.x(), field.y());
+  // A field turned by an unsure tilt has the wrong dip: until the tilt is known its reference is not learnt.
+  const double tilt2 = s_.error.P()(kTheta, kTheta) + s_.error.P()(kTheta + 1, kTheta + 1);
+  const bool leaning = tilt2 > kKnownTilt_rad * kKnownTilt_rad;
+  if (leaning) s_.field = FieldReference{};
   const FieldVerdict verdict = s_.field.observe(params_.field_reference, horizontal, field.z(), time_s, s_.sums.moved);
-  if (!verdict.trusted && !verdict.accepted) return;
+  if (!leaning) s_.hard_iron.observe(params_.hard_iron, seen, R_mean, time_s);
+  if (!verdict.trusted && !verdict.accepted) {
+    s_.unmagnetic_s += s_.sums.moved ? 0.0 : time_s;  // in motion it has been counted already
+    return;
+  }
   // (A10) Magnetic north lies at pi/2 - declination from east; the field seems turned from it by minus the error.
   const double error = wrapped(0.5 * kPi - params_.declination_rad - std::atan2(field.y(), field.x()));
   // A tilt error leans the vertical field into the horizontal plane: the heading turns with the tilt about north.

@@ -14,9 +14,9 @@ struct HardIronParams {
   double sd_uT = 10.0;
   double walk_uT_rtHz = 0.02;
   double field_walk_uT_rtHz = 0.3;
-  double noise_uT = 4.0;
-  double noise_time_s = 2.0;
-  double doubt = 30.0;
+  double noise_uT = 3.0;
+  double noise_time_s = 1.0;
+  double doubt = 12.0;
 
   static constexpr auto fields() {
     using P = HardIronParams;
