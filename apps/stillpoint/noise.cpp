@@ -112,8 +112,14 @@ std::string simulation_block(const std::vector<AxisNoise>& axes, const std::vect
   std::string text = fmt::format("rate_hz: {:.6g}\n", rate_hz);
   for (const Sensor& s : sensors) {
     if (s.column->empty()) continue;
-    text += fmt::format("{}: {{bias: [0, 0, 0], matrix: [[1,0,0],[0,1,0],[0,0,1]], {}: {:.4g}}}\n", s.key, s.noise_key,
+    text += fmt::format("{}: {{bias: [0, 0, 0], matrix: [[1,0,0],[0,1,0],[0,0,1]], {}: {:.4g}", s.key, s.noise_key,
                         mean_term(axes, s, sim::kWhite) * std::sqrt(rate_hz));
+    const std::string unit = std::string(s.noise_key).substr(std::string("noise_").size());
+    if (const double b = mean_term(axes, s, sim::kInstability); b > 0.0)
+      text += fmt::format(", bias_instability_{}: {:.4g}", unit, b);
+    if (const double k = mean_term(axes, s, sim::kRandomWalk); k > 0.0)
+      text += fmt::format(", random_walk_{}_per_sqrts: {:.4g}", unit, k);
+    text += "}\n";
   }
   return text;
 }
