@@ -18,7 +18,7 @@
 namespace stillpoint::calib {
 
 struct GyroMatrixParams {
-  double scale_sd = 0.02;
+  double scale_sd = 0.03;
   double cross_sd = 0.02;
   static constexpr auto fields() {
     using P = GyroMatrixParams;

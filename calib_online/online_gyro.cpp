@@ -9,15 +9,18 @@
 namespace stillpoint::calib {
 namespace {
 
-constexpr double kGate = 4.0;               // sd; beyond, a window is set aside
-constexpr std::uint32_t kRunToWiden = 8;    // windows set aside in a row: not outliers, the sensor changed
-constexpr double kStretch_s = 900.0;        // a turn is taken to last no longer
-constexpr double kStretchTemp_K = 4.0;      // beyond, one mean says too little of the slope
-constexpr double kLeastTurn_rad = 0.2;      // smaller turns say nothing of the matrix
-constexpr double kNonlinearity = 0.002;     // of a turn: what a constant matrix cannot describe
-constexpr double kWhite_radps_rtHz = 2e-4;  // a consumer gyro's 0.01 deg/s/sqrt(Hz)
-constexpr double kDirectionFloor = 0.002;   // rad, of a window's direction
-constexpr double kFactoryDirection = 0.03;  // rad, before the accelerometer is learnt
+constexpr double kGate = 4.0;                       // sd; beyond, a window is set aside
+constexpr std::uint32_t kRunToWiden = 8;            // windows set aside in a row: not outliers, the sensor changed
+constexpr double kStretch_s = 900.0;                // a turn is taken to last no longer
+constexpr double kStretchTemp_K = 4.0;              // beyond, one mean says too little of the slope
+constexpr double kSingle_radps = 0.1 * kRadPerDeg;  // a stretch of one window may be no rest at all; fades as 1/n
+constexpr double kHuber = 2.0;                      // sd; beyond, a window counts less
+constexpr double kLongestTurn_rad = 15.0;           // beyond, what is not in the matrix outweighs it
+constexpr double kLeastTurn_rad = 0.2;              // smaller turns say nothing of the matrix
+constexpr double kNonlinearity = 0.002;             // of a turn: what a constant matrix cannot describe
+constexpr double kWhite_radps_rtHz = 2e-4;          // a consumer gyro's 0.01 deg/s/sqrt(Hz)
+constexpr double kDirectionFloor = 0.002;           // rad, of a window's direction
+constexpr double kFactoryDirection = 0.03;          // rad, before the accelerometer is learnt
 
 double squared(double v) { return v * v; }
 
@@ -34,14 +37,13 @@ bool OnlineCalibrator::absorb_turn(const Window& w) noexcept {
   s_.has_previous = u.allFinite();
   if (!had || !u.allFinite() || !w.rotation_valid) return false;
   const Quat q(w.q_previous_this[0], w.q_previous_this[1], w.q_previous_this[2], w.q_previous_this[3]);
-  const double angle = log_quat(q).norm();
-  if (angle < kLeastTurn_rad) return false;
+  if (w.rotation_path_rad < kLeastTurn_rad || w.rotation_path_rad > kLongestTurn_rad) return false;
   const double known = snapshot_.acc.norm_sd > 0.0 ? snapshot_.acc.norm_sd / params_.gravity_mps2 : kFactoryDirection;
   const double direction_var = squared(std::min(known, kFactoryDirection)) + squared(kDirectionFloor);
   const Mat3 J_bias = mat(w.d_rotation_d_bias);
   const Mat3 rotation_cov =
       J_bias * mat(snapshot_.gyr.bias_covariance) * J_bias.transpose() +
-      (squared(kWhite_radps_rtHz) * w.rotation_s + squared(kNonlinearity * angle)) * Mat3::Identity();
+      (squared(kWhite_radps_rtHz) * w.rotation_s + squared(kNonlinearity * w.rotation_path_rad)) * Mat3::Identity();
   const Mat39 J = Eigen::Map<const Eigen::Matrix<double, 3, 9, Eigen::RowMajor>>(w.d_rotation_d_matrix.data());
   const Mat3 R = q.toRotationMatrix();
   const auto& prior = params_.gyro_matrix;
@@ -88,7 +90,11 @@ bool OnlineCalibrator::absorb_gyr(const Window& w) noexcept {
     s_.stretch_tau = s_.stretch_tau2 = 0.0;
   }
   const double n = ++s_.stretch_windows;
-  vec(s_.stretch_rate) += (rate - vec(s_.stretch_rate)) / n;
+  // Huber, against the stretch so far: one pushed window must not carry a mean of many.
+  const double surprise =
+      n > 1 ? (rate - vec(s_.stretch_rate)).norm() / std::sqrt(mat(w.gyr_cov).trace() + squared(kSingle_radps / n))
+            : 0.0;
+  vec(s_.stretch_rate) += (rate - vec(s_.stretch_rate)) / (n * std::max(1.0, surprise / kHuber));
   mat(s_.stretch_cov) += (mat(w.gyr_cov) - mat(s_.stretch_cov)) / n;
   s_.stretch_tau += (t - s_.stretch_tau) / n;
   s_.stretch_tau2 += (t * t - s_.stretch_tau2) / n;
@@ -108,8 +114,9 @@ GyrFilter OnlineCalibrator::with_stretch() const noexcept {
   const double largest = turn.selfadjointView<Eigen::Lower>().eigenvalues().maxCoeff();
   const Vec3 surprise = vec(s_.stretch_rate) - gyr_.at(s_.stretch_tau, s_.stretch_tau2);
   const Vec3 hidden = largest > 0 ? Vec3(turn * surprise / largest) : Vec3(Vec3::Zero());
-  const Mat3 covariance =
-      mat(s_.stretch_cov) / static_cast<double>(s_.stretch_windows) + turn + 0.25 * hidden * hidden.transpose();
+  const double n = s_.stretch_windows;
+  const Mat3 covariance = mat(s_.stretch_cov) / n + turn + 0.25 * hidden * hidden.transpose() +
+                          squared(kSingle_radps / n) * Mat3::Identity();
   out.update(vec(s_.stretch_rate), covariance, s_.stretch_tau, s_.stretch_tau2);
   return out;
 }

@@ -216,6 +216,7 @@ Window RestDetector::make_window(const Evidence& e, Refusal rate, const Calibrat
 void RestDetector::hand_on_rotation(Window& w, const CalibrationSnapshot& calibration) noexcept {
   const Chain& at_middle = quarters_[kQuarters / 2].chain;
   w.rotation_s = at_middle.duration_s;
+  w.rotation_path_rad = at_middle.angle_rad;
   w.rotation_valid = !at_middle.broken && at_middle.duration_s > 0.0 && at_middle.duration_s <= params_.rotation_max_s;
   w.q_previous_this = {at_middle.q.w(), at_middle.q.x(), at_middle.q.y(), at_middle.q.z()};
   const Mat3 bias_cov = calibration.gyr.bias_covariance[0] > 0

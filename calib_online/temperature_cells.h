@@ -13,7 +13,7 @@ namespace stillpoint::calib {
 struct TemperatureCellsParams {
   double first_degC = 0.0;
   double spacing_K = 5.0;
-  double kernel_K = 5.0;
+  double kernel_K = 1.5;
   double keep = 0.998;
 
   static constexpr auto fields() {

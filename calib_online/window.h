@@ -50,6 +50,7 @@ struct Window {
   Array27 d_rotation_d_matrix{};                      ///< rotation vector (this frame) by the rows of the gyro's H
   Array9 d_rotation_d_bias{};                         ///< the same by the gyro's bias, s
   Array9 gyr_matrix_used{1, 0, 0, 0, 1, 0, 0, 0, 1};  ///< H at which the rotation was integrated
+  double rotation_path_rad = 0.0;                     ///< length of the way, not of its result
   double rotation_s = 0.0;                            ///< time from middle to middle
 };
 static_assert(std::is_trivially_copyable_v<Window>, "windows cross a ring between the two threads");

@@ -1,0 +1,83 @@
+/// The parts of bench/calibration_tables: each prints one comparison, paper beside ours, with its seeds.
+#pragma once
+#include <algorithm>
+#include <cmath>
+#include <random>
+#include <string>
+#include <vector>
+
+#include "core/so3.h"
+#include "core/types.h"
+#include "core/units.h"
+
+namespace stillpoint::bench {
+
+class Random {
+ public:
+  explicit Random(unsigned seed) : engine_(seed) {}
+  double normal(double sd = 1.0) { return sd * normal_(engine_); }
+  double uniform(double low, double high) { return low + (high - low) * uniform_(engine_); }
+  Vec3 normal3(double sd = 1.0) { return {normal(sd), normal(sd), normal(sd)}; }
+  Vec3 direction() { return normal3().normalized(); }
+  Quat rotation() { return Quat(normal(), normal(), normal(), normal()).normalized(); }
+
+ private:
+  std::mt19937_64 engine_;
+  std::normal_distribution<double> normal_{0.0, 1.0};
+  std::uniform_real_distribution<double> uniform_{0.0, 1.0};
+};
+
+inline double mean(const std::vector<double>& v) {
+  double s = 0.0;
+  for (double x : v) s += x;
+  return v.empty() ? 0.0 : s / static_cast<double>(v.size());
+}
+inline double sd(const std::vector<double>& v) {
+  double s = 0.0;
+  for (double x : v) s += (x - mean(v)) * (x - mean(v));
+  return v.size() < 2 ? 0.0 : std::sqrt(s / static_cast<double>(v.size() - 1));
+}
+inline double quantile(std::vector<double> v, double q) {
+  if (v.empty()) return 0.0;
+  std::sort(v.begin(), v.end());
+  return v[std::min(v.size() - 1, static_cast<std::size_t>(q * static_cast<double>(v.size())))];
+}
+inline double rms(const std::vector<double>& v) {
+  double s = 0.0;
+  for (double x : v) s += x * x;
+  return v.empty() ? 0.0 : std::sqrt(s / static_cast<double>(v.size()));
+}
+/// Even directions, for judging a calibration over the whole sphere.
+inline std::vector<Vec3> even_directions(int n) {
+  std::vector<Vec3> out;
+  for (int k = 0; k < n; ++k) {
+    const double z = 1.0 - (2.0 * k + 1.0) / n, r = std::sqrt(1.0 - z * z), a = 2.399963229728653 * k;
+    out.emplace_back(r * std::cos(a), r * std::sin(a), z);
+  }
+  return out;
+}
+
+/// Rest windows of a day of wear: most lie near a few postures. `n` directions.
+inline std::vector<Vec3> worn_directions(Random& random, int n) {
+  const Vec3 postures[4] = {Vec3(0.1, 0.05, 1).normalized(), Vec3(0.95, 0.2, 0.25).normalized(),
+                            Vec3(0.2, 0.9, 0.35).normalized(), Vec3(-0.3, -0.8, 0.4).normalized()};
+  const double share[4] = {0.55, 0.8, 0.9, 0.97};
+  std::vector<Vec3> out;
+  for (int k = 0; k < n; ++k) {
+    const double p = random.uniform(0.0, 1.0);
+    int posture = 0;
+    while (posture < 4 && p > share[posture]) ++posture;
+    out.push_back(posture == 4 ? random.direction() : (postures[posture] + random.normal3(0.15)).normalized());
+  }
+  return out;
+}
+
+void gietzelt_tables();
+void zhang_tables();
+void worn_and_adjusted();
+void simulated_day();
+void alignment_and_gyro();
+void rest_detection();
+void real_recordings(const std::string& folder);
+
+}  // namespace stillpoint::bench
