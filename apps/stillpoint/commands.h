@@ -24,6 +24,7 @@ void add_demo(CLI::App& app, Run& run);
 void add_diagnose(CLI::App& app, Run& run);
 void add_estimate(CLI::App& app, Run& run);
 void add_noise(CLI::App& app, Run& run);
+void add_prove(CLI::App& app, Run& run);
 void add_record(CLI::App& app, Run& run);
 void add_effects(CLI::App& app, Run& run);
 void add_simulate(CLI::App& app, Run& run);

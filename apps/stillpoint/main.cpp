@@ -12,6 +12,7 @@ int main(int argc, char** argv) {
   app::add_diagnose(cli, run);
   app::add_estimate(cli, run);
   app::add_noise(cli, run);
+  app::add_prove(cli, run);
   app::add_record(cli, run);
   app::add_effects(cli, run);
   app::add_simulate(cli, run);

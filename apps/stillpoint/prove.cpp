@@ -1,0 +1,198 @@
+/// `stillpoint prove`: draws sealed cases, has them solved by a process that never sees the truth, opens and scores
+/// them.
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <spawn.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <atomic>
+#include <filesystem>
+#include <fstream>
+#include <mutex>
+#include <sstream>
+#include <thread>
+
+#include "apps/stillpoint/commands.h"
+#include "diagnosis/prove.h"
+#include "diagnosis/prove_sha256.h"
+#include "diagnosis/report_svg.h"
+#include "io/simulation_yaml.h"
+
+extern char** environ;
+
+namespace stillpoint::app {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct Options {
+  std::size_t cases = 60;
+  std::string salt = "stillpoint", folder, report;
+  bool quick = false;
+};
+
+/// One case as it lies before the solver: files and hash. The truth stays in this process until all answers are in.
+struct Posed {
+  std::string id, hash;
+  diag::CaseTruth truth;
+  std::string nonce;
+  fs::path recording, simulation, answer;
+};
+
+std::string read_file(const fs::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  std::ostringstream text;
+  text << file.rdbuf();
+  return text.str();
+}
+
+/// Runs `diagnose` of this very program as a process of its own, with its words going nowhere.
+void solve(const Posed& posed) {
+  const std::string program = fs::read_symlink("/proc/self/exe").string();
+  std::vector<std::string> words{program,        "diagnose",
+                                 "--simulation", posed.simulation.string(),
+                                 "--recording",  posed.recording.string(),
+                                 "--json",       posed.answer.string()};
+  std::vector<char*> argv;
+  for (auto& w : words) argv.push_back(w.data());
+  argv.push_back(nullptr);
+  posix_spawn_file_actions_t actions;
+  posix_spawn_file_actions_init(&actions);
+  posix_spawn_file_actions_addopen(&actions, STDOUT_FILENO, "/dev/null", O_WRONLY, 0);
+  posix_spawn_file_actions_addopen(&actions, STDERR_FILENO, "/dev/null", O_WRONLY, 0);
+  pid_t child = 0;
+  const bool started = posix_spawn(&child, program.c_str(), &actions, nullptr, argv.data(), environ) == 0;
+  posix_spawn_file_actions_destroy(&actions);
+  if (started) waitpid(child, nullptr, 0);
+}
+
+void solve_all(const std::vector<Posed>& posed) {
+  std::atomic<std::size_t> next{0}, done{0};
+  std::mutex terminal;
+  const auto work = [&] {
+    for (std::size_t i = next++; i < posed.size(); i = next++) {
+      solve(posed[i]);
+      const std::lock_guard lock(terminal);
+      if (isatty(STDERR_FILENO)) std::fprintf(stderr, "\rsolving %zu of %zu", ++done, posed.size());
+    }
+  };
+  std::vector<std::thread> workers;
+  for (unsigned i = 0; i < std::max(1U, std::thread::hardware_concurrency()); ++i) workers.emplace_back(work);
+  for (auto& w : workers) w.join();
+  if (isatty(STDERR_FILENO)) std::fputs("\n", stderr);
+}
+
+Result<std::vector<Posed>> draw(const Options& o, const fs::path& room) {
+  std::vector<Posed> all;
+  for (std::size_t i = 0; i < o.cases; ++i) {
+    diag::SealedCase c = diag::draw_case(o.salt, i, o.quick);
+    Posed p{.id = c.id,
+            .hash = diag::seal(c.id, c.truth, c.nonce),
+            .truth = std::move(c.truth),
+            .nonce = std::move(c.nonce),
+            .recording = room / (c.id + ".csv"),
+            .simulation = room / (c.id + ".yaml"),
+            .answer = room / (c.id + ".json")};
+    c.baseline.motion.reset();  // the solver gets the baseline of the sensor, nothing of how the body was moved
+    c.baseline.environment = {};
+    c.baseline.reference = {};
+    if (const auto done = io::write_recording(c.recording, p.recording.string()); !done)
+      return tl::unexpected(done.error());
+    if (const auto done = io::write_simulation(c.baseline, p.simulation.string()); !done)
+      return tl::unexpected(done.error());
+    std::printf("%s  %s\n", p.id.c_str(), p.hash.c_str());
+    all.push_back(std::move(p));
+  }
+  return all;
+}
+
+Result<std::vector<Posed>> collect(const Options& o, const fs::path& room) {
+  const fs::path cases = fs::path(o.folder) / "cases", truths = fs::path(o.folder) / "truth";
+  if (!fs::is_directory(cases) || !fs::is_directory(truths))
+    return fail(ErrorKind::kNoInput, o.folder + ": has no folders cases/ and truth/");
+  std::vector<Posed> all;
+  std::vector<fs::path> files;
+  for (const auto& entry : fs::directory_iterator(cases))
+    if (entry.path().extension() == ".csv") files.push_back(entry.path());
+  std::sort(files.begin(), files.end());
+  for (const auto& file : files) {
+    const std::string id = file.stem().string();
+    const fs::path truth_file = truths / (id + ".json");
+    const std::string text = read_file(truth_file);
+    const auto truth = diag::parse_truth(text, truth_file.string());
+    if (!truth) return tl::unexpected(truth.error());
+    all.push_back({.id = id,
+                   .hash = diag::sha256(id + "\n" + text),
+                   .truth = *truth,
+                   .nonce = "",
+                   .recording = file,
+                   .simulation = cases / (id + ".yaml"),
+                   .answer = room / (id + ".json")});
+    std::printf("%s  %s\n", id.c_str(), all.back().hash.c_str());
+  }
+  if (all.empty()) return fail(ErrorKind::kNoInput, cases.string() + ": no recordings (*.csv)");
+  return all;
+}
+
+Result<void> write_proof(const Options& o, const std::string& text, const std::vector<Posed>& posed) {
+  std::ofstream file(o.report, std::ios::binary);
+  file << "<!doctype html><html lang=\"en\"><meta charset=\"utf-8\"><title>Proof on concealed "
+          "data</title><style>:root{color-scheme:light dark}"
+          "body{font:15px/1.5 system-ui,sans-serif;max-width:66rem;margin:2rem auto;padding:0 "
+          "1rem}pre{overflow-x:auto}</style>"
+          "<h1>Proof on concealed data</h1><p>Each case was sealed by the hash below before it was solved by a process "
+          "that had the recording "
+          "and the baseline only. All cases count.</p><pre>"
+       << diag::svg::escaped(text)
+       << "</pre><h2>Seals</h2><p>SHA-256 of case, truth and nonce, a newline between.</p><pre>";
+  for (const auto& p : posed)
+    file << p.id << "  " << p.hash << "  nonce " << (p.nonce.empty() ? "none" : p.nonce) << "  "
+         << diag::svg::escaped(diag::to_json(p.truth).dump()) << "\n";
+  file << "</pre></html>\n";
+  file.close();
+  if (!file) return fail(ErrorKind::kCannotCreate, o.report + ": cannot be written");
+  return {};
+}
+
+int prove(const Options& o) {
+  std::string room_name = (fs::temp_directory_path() / "stillpoint-prove-XXXXXX").string();
+  if (mkdtemp(room_name.data()) == nullptr)
+    return report({ErrorKind::kCannotCreate, room_name + ": cannot be created"});
+  const fs::path room = room_name;
+  std::printf("seals (SHA-256 of case, truth, nonce), printed before solving; salt \"%s\"\n", o.salt.c_str());
+  const auto posed = o.folder.empty() ? draw(o, room) : collect(o, room);
+  if (!posed) return report(posed.error());
+  std::fflush(stdout);
+  solve_all(*posed);
+  std::vector<diag::CaseScore> scores;
+  bool sealed = true;
+  for (const auto& p : *posed) {
+    sealed = sealed && (p.nonce.empty() || diag::seal(p.id, p.truth, p.nonce) == p.hash);
+    scores.push_back(diag::score_case(p.id, p.truth, nlohmann::json::parse(read_file(p.answer), nullptr, false)));
+  }
+  fs::remove_all(room);
+  const std::string text = diag::tables(scores);
+  std::printf("\n%s\n%s", sealed ? "opened: every truth matches its seal" : "a truth does not match its seal",
+              text.c_str());
+  if (!o.report.empty())
+    if (const auto done = write_proof(o, text, *posed); !done) return report(done.error());
+  return sealed ? 0 : static_cast<int>(ErrorKind::kThreshold);
+}
+
+}  // namespace
+
+void add_prove(CLI::App& app, Run& run) {
+  auto* command =
+      app.add_subcommand("prove", "Prove the diagnosis on sealed cases: draw, seal, solve unseen, open, score");
+  static Options o;
+  command->add_option("--cases", o.cases, "how many cases to draw; 60 unless given")->check(CLI::Range(1, 100000));
+  command->add_option("--salt", o.salt, "the same salt draws the same cases");
+  command->add_option("--folder", o.folder,
+                      "take cases made elsewhere: FOLDER/cases/NNN.csv, NNN.yaml and FOLDER/truth/NNN.json");
+  command->add_option("--report", o.report, "write the tables, seals and truths as a page (.html)");
+  command->add_flag("--quick", o.quick, "recordings of one minute instead of two");
+  command->callback([&run] { run = [] { return prove(o); }; });
+}
+
+}  // namespace stillpoint::app
