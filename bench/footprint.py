@@ -1,0 +1,115 @@
+#!/usr/bin/env python3
+"""What the daemon needs: time to the first attitude, memory and its growth, processor share, sizes of the programs.
+
+`bench/footprint.py BUILD_FOLDER [--rate 1000] [--seconds 10] [--json]`. The sensor is the simulated one of
+configs/sim_handheld.yaml at this rate; the figures include the simulator, which runs in the sensor thread.
+A soak is the same command with more seconds: `--rate 4000 --seconds 1800`.
+"""
+import argparse
+import json
+import os
+import pathlib
+import re
+import subprocess
+import sys
+import tempfile
+import time
+
+CONFIGS = pathlib.Path(__file__).resolve().parent.parent / "configs"
+
+
+def write_sensor(path, rate_hz, seconds):
+    text = (CONFIGS / "sim_handheld.yaml").read_text()
+    text = re.sub(r"rate_hz: \d+", f"rate_hz: {rate_hz:g}", text, count=1)
+    path.write_text(re.sub(r"duration_s: \d+", f"duration_s: {seconds:g}", text, count=1))
+
+
+def memory_kB(pid):
+    fields = dict(line.split(":", 1) for line in open(f"/proc/{pid}/status") if ":" in line)
+    return int(fields["VmRSS"].split()[0]), int(fields["VmHWM"].split()[0])
+
+
+def processor_s(pid):
+    """Seconds of processor time of each thread so far, by name."""
+    used = {}
+    for task in pathlib.Path(f"/proc/{pid}/task").iterdir():
+        name, fields = (task / "stat").read_text().split("(", 1)[1].rsplit(")", 1)
+        ticks = int(fields.split()[11]) + int(fields.split()[12])
+        used[name] = used.get(name, 0.0) + ticks / os.sysconf("SC_CLK_TCK")
+    return used
+
+
+def stripped_size(program):
+    with tempfile.NamedTemporaryFile() as copy:
+        subprocess.run(["strip", "-o", copy.name, program], check=True)
+        return os.path.getsize(copy.name)
+
+
+def measure(build, rate_hz, seconds):
+    domain = str(1 + os.getpid() % 100)
+    with tempfile.TemporaryDirectory() as folder:
+        folder = pathlib.Path(folder)
+        write_sensor(folder / "sensor.yaml", rate_hz, seconds + 4)
+        (folder / "daemon.yaml").write_text(
+            "source: {kind: simulation, file: sensor.yaml, speed: 1, at_end: stop}\n"
+            f"sensor: {{id: footprint}}\ndds: {{domain: {domain}}}\n")
+        watch = subprocess.Popen([build / "stillpoint", "watch", "--domain", domain, "--once", "--seconds", "0.001",
+                                  "--json", "-"], stdout=subprocess.DEVNULL)
+        time.sleep(0.5)
+        start = time.monotonic()
+        daemon = subprocess.Popen([build / "stillpointd", "--config", folder / "daemon.yaml"], stderr=subprocess.DEVNULL)
+        try:
+            if watch.wait(timeout=15) != 0:
+                sys.exit("footprint: no attitude arrived; does the daemon start?")
+            first_s = time.monotonic() - start
+            time.sleep(1.0)
+            rss_before, _ = memory_kB(daemon.pid)
+            used_before, t_before = processor_s(daemon.pid), time.monotonic()
+            time.sleep(seconds)
+            used, t_after = processor_s(daemon.pid), time.monotonic()
+            rss_after, rss_peak = memory_kB(daemon.pid)
+        finally:
+            daemon.terminate()
+            daemon.wait()
+    share = {name: (s - used_before.get(name, 0.0)) / (t_after - t_before) for name, s in used.items()}
+    return {
+        "schema": "stillpoint.footprint/1",
+        "rate_hz": rate_hz,
+        "seconds": seconds,
+        "start_to_first_attitude_s": round(first_s, 3),
+        "rss_MB": rss_after / 1024,
+        "rss_peak_MB": rss_peak / 1024,
+        "rss_growth_MB": (rss_after - rss_before) / 1024,
+        "processor_share_of_one_core": sum(share.values()),
+        "processor_share_by_thread": {name: round(s, 4) for name, s in sorted(share.items(), key=lambda e: -e[1]) if s > 0},
+        "stripped_MB": {name: stripped_size(build / name) / 2**20 for name in ("stillpointd", "stillpoint")
+                        if (build / name).exists()},
+    }
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("build", type=pathlib.Path, help="for example build/release")
+    parser.add_argument("--rate", type=float, default=1000.0, help="Hz")
+    parser.add_argument("--seconds", type=float, default=10.0)
+    parser.add_argument("--json", action="store_true")
+    args = parser.parse_args()
+    for name in ("stillpointd", "stillpoint"):
+        if not (args.build / name).exists():
+            sys.exit(f"footprint: {args.build / name}: no such program; build it first")
+    found = measure(args.build.resolve(), args.rate, args.seconds)
+    if args.json:
+        print(json.dumps(found, indent=2))
+        return
+    print(f"start to the first attitude in a waiting subscriber  {found['start_to_first_attitude_s']:.2f} s (to 0.04 s)")
+    print(f"resident memory  {found['rss_MB']:.1f} MB, at most {found['rss_peak_MB']:.1f} MB; "
+          f"growth in {args.seconds:.0f} s {found['rss_growth_MB']:.2f} MB")
+    print(f"processor at {args.rate:.0f} Hz  {100 * found['processor_share_of_one_core']:.1f} % of one core")
+    for name, share in found["processor_share_by_thread"].items():
+        print(f"    {name:<18}{100 * share:5.1f} %")
+    for name, size in found["stripped_MB"].items():
+        print(f"{name}  {size:.2f} MB stripped")
+
+
+if __name__ == "__main__":
+    main()
