@@ -58,8 +58,9 @@ Simulator::Simulator(const SimulationConfig& config, std::shared_ptr<const Motio
   };
   if (const auto& r = config_.reference; r.kind == "mocap") errors(r.orientation_sd_rad, r.position_sd_m, r.band_hz);
   for (const auto& e : all_of(config, "ref_error")) errors(e.values.scalar(0), e.values.scalar(1), e.values.scalar(2));
-  rows_ = static_cast<std::uint64_t>(std::floor(motion_->duration_s() * config_.rate_hz));
-  if (config_.motion) rows_ = std::min(rows_, static_cast<std::uint64_t>(config_.motion->duration_s * config_.rate_hz));
+  // A duration is a sum of decimal steps: a millionth of a row makes no row.
+  const double asked_s = config_.motion ? config_.motion->duration_s : motion_->duration_s();
+  rows_ = static_cast<std::uint64_t>(std::min(motion_->duration_s(), asked_s) * config_.rate_hz + 1e-6);
 }
 
 /// Everything true at one time, with force, rate and field bare.

@@ -1,4 +1,6 @@
 /// `stillpoint simulate`: the recording a simulated sensor would give, and the truth of what was applied to it.
+#include <fmt/format.h>
+
 #include <fstream>
 #include <nlohmann/json.hpp>
 
@@ -11,6 +13,7 @@ namespace stillpoint::app {
 namespace {
 
 using Json = nlohmann::ordered_json;
+constexpr double kMostRows = 2e7;  // 24 h at 200 Hz are 1.7e7; each row takes about 200 bytes of memory
 
 struct Options {
   std::string simulation, output, truth, motion;
@@ -52,21 +55,29 @@ Json effect_json(const sim::EffectConfig& e, const sim::EffectStrength& s) {
   return out;
 }
 
-/// Spans in which the body moved.
-Json bouts_json(const std::vector<sim::SimulatedSample>& rows) {
-  Json out = Json::array();
-  for (std::size_t i = 0; i < rows.size(); ++i) {
-    if (!rows[i].moving || (i > 0 && rows[i - 1].moving)) continue;
-    std::size_t last = i;
-    while (last + 1 < rows.size() && rows[last + 1].moving) ++last;
-    out.push_back(
-        {1e-9 * static_cast<double>(rows[i].sample.t_ns), 1e-9 * static_cast<double>(rows[last].sample.t_ns)});
+/// The recording, and the spans in which the body moved.
+struct Simulated {
+  io::Recording recording;
+  Json bouts = Json::array();
+};
+
+Simulated run_simulator(const Options& o, const sim::SimulationConfig& config, const Scene& scene) {
+  Simulated out{io::to_recording({}), Json::array()};
+  sim::Simulator simulator(config, scene.motion, o.seed, scene.environment);
+  bool moved = false;
+  double since_s = 0.0, t_s = 0.0;
+  for (sim::SimulatedSample row; simulator.next(row);) {
+    io::append(row, out.recording);
+    t_s = 1e-9 * static_cast<double>(row.sample.t_ns);
+    if (row.moving && !moved) since_s = t_s;
+    if (!row.moving && moved) out.bouts.push_back({since_s, t_s});
+    moved = row.moving;
   }
+  if (moved) out.bouts.push_back({since_s, t_s});
   return out;
 }
 
-int write_truth(const Options& o, const sim::SimulationConfig& config, const Scene& scene,
-                const std::vector<sim::SimulatedSample>& rows) {
+int write_truth(const Options& o, const sim::SimulationConfig& config, const Scene& scene, const Json& bouts) {
   const auto strengths = sim::effect_strengths(config, scene.motion, o.seed, scene.environment);
   Json truth{{"schema", "stillpoint.truth/1"}, {"seed", o.seed}, {"reference", config.reference.kind}};
   truth["effects"] = Json::array();
@@ -77,7 +88,7 @@ int write_truth(const Options& o, const sim::SimulationConfig& config, const Sce
   truth["magnetometer"] = triad_json(config.magnetometer);
   truth["gravity_mps2"] = config.gravity_mps2;
   truth["field_world_uT"] = array(config.field_world_uT);
-  truth["bouts"] = bouts_json(rows);
+  truth["bouts"] = bouts;
   truth["simulation"] = io::format_simulation(config);
   std::ofstream file(o.truth, std::ios::binary);
   if (file) file << truth.dump(1) << '\n' << std::flush;
@@ -86,14 +97,19 @@ int write_truth(const Options& o, const sim::SimulationConfig& config, const Sce
 }
 
 int simulate(const Options& o) {
-  const auto config = io::read_simulation(o.simulation);
+  auto config = io::read_simulation(o.simulation);
   if (!config) return report(config.error());
+  if (!o.motion.empty()) config->motion.reset();
+  if (config->motion && config->motion->duration_s * config->rate_hz > kMostRows)
+    return report(
+        {ErrorKind::kBadConfig, fmt::format("{}:1:1: {} s at {} Hz are more than the {} rows that are simulated "
+                                            "at once; lower duration_s or rate_hz",
+                                            o.simulation, config->motion->duration_s, config->rate_hz, kMostRows)});
   const auto scene = scene_of(o, *config);
   if (!scene) return report(scene.error());
-  const auto rows = sim::simulate(*config, scene->motion, o.seed, scene->environment);
-  if (const auto written = io::write_recording(io::to_recording(rows), o.output); !written)
-    return report(written.error());
-  return o.truth.empty() ? 0 : write_truth(o, *config, *scene, rows);
+  const auto simulated = run_simulator(o, *config, *scene);
+  if (const auto written = io::write_recording(simulated.recording, o.output); !written) return report(written.error());
+  return o.truth.empty() ? 0 : write_truth(o, *config, *scene, simulated.bouts);
 }
 
 }  // namespace
