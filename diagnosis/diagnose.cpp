@@ -18,6 +18,8 @@ namespace stillpoint::diag {
 namespace {
 
 constexpr double kShortest_s = 20.0;
+constexpr double kMostSamples = 16000.0;  // more are thinned by whole factors, down to the step below
+constexpr double kFastEnough_s = 0.0201;  // nothing that bodies do needs more than 50 Hz
 
 Answer insufficient(std::string why, Answer answer = {}) {
   answer.diagnosis.verdict = Verdict::kInsufficientData;
@@ -110,6 +112,10 @@ Answer diagnose(const io::Recording& recording, const sim::SimulationConfig& giv
     answer.diagnosis.notices.push_back(
         fmt::format("effect {} of the simulation cannot be predicted from the recording; left in", id));
   mute_lattice_at_rest(s, forensics);
+  compare_noise(s, answer);
+  const auto factor =
+      static_cast<Eigen::Index>(std::floor(std::min(static_cast<double>(s.n) / kMostSamples, kFastEnough_s / s.dt_s)));
+  if (factor > 1) s = thinned(s, factor);
   const EngineResult engine = search_all(s);
   answer.diagnosis.findings = forensics.findings;
   const std::size_t kept = answer.diagnosis.findings.size();
@@ -118,7 +124,6 @@ Answer diagnose(const io::Recording& recording, const sim::SimulationConfig& giv
   std::stable_sort(answer.diagnosis.findings.begin() + static_cast<std::ptrdiff_t>(kept),
                    answer.diagnosis.findings.end(),
                    [](const Finding& a, const Finding& b) { return a.held_out.gain_nats > b.held_out.gain_nats; });
-  compare_noise(s, answer);
   for (const auto& n : s.notices) answer.diagnosis.notices.push_back(n);
   std::sort(answer.diagnosis.ranking.begin(), answer.diagnosis.ranking.end(),
             [](const RankedHypothesis& a, const RankedHypothesis& b) { return a.gain_nats > b.gain_nats; });

@@ -24,17 +24,21 @@ std::optional<Series3> same_offset(const Signals& s, Sensor sensor, const Found&
 /// Whether the other sensors confirm it; takes the offset out of them when they do.
 bool joins_all(const Signals& s, EngineResult& r, Sensor lead, Found& f, std::vector<Sensor>& sensors) {
   std::array<std::optional<Series3>, kSensors> offsets;
+  std::array<double, kSensors> gains{};
   double total = 0.0;
   for (const Sensor other : {kAcc, kGyr, kMag}) {
     if (other == lead || !r.sensor[other]) continue;
     offsets[other] = same_offset(s, other, f);
-    if (offsets[other]) total += gain_of_offset(*r.sensor[other], *offsets[other]);
+    if (!offsets[other]) continue;
+    gains[other] = gain_of_offset(*r.sensor[other], *offsets[other]);
+    total += gains[other];
   }
   const bool must_be_common = f.id.rfind("sys_", 0) == 0;
   if (total < (must_be_common ? -kClearNats : kClearNats)) return false;
   for (const Sensor other : {kAcc, kGyr, kMag}) {
     if (!offsets[other]) continue;
     r.sensor[other]->target.residual -= *offsets[other];
+    r.sensor[other]->first_gain = std::max(r.sensor[other]->first_gain, gains[other]);
     sensors.push_back(other);
   }
   if (!must_be_common) f.id = "sys_offset";

@@ -13,6 +13,7 @@ namespace {
 
 constexpr double kTieNats = 5.0;  // closer than this the recording cannot tell two names apart
 constexpr double kDriftNats = 12.0;
+constexpr double kLeastShareOfFirst = 0.02;
 constexpr double kConfigurationP = 1e-6;
 constexpr std::size_t kMostEquivalent = 2;
 
@@ -254,7 +255,8 @@ void report_sensor(const Signals& s, const EngineResult& engine, Sensor sensor,
   }
   const std::string drift = std::string(kSensorName[sensor]) + "_drift";
   const bool known_drift = std::any_of(given.begin(), given.end(), [&](const auto& e) { return e.id == drift; });
-  if (finished.walk_gain_nats > kDriftNats && !known_drift && !switched) {
+  const bool drifts = finished.walk_gain_nats > std::max(kDriftNats, kLeastShareOfFirst * search.first_gain);
+  if (drifts && !known_drift && !switched) {
     findings.push_back(drift_finding(s, search, finished));
     sim::EffectConfig e;
     e.id = drift;

@@ -117,7 +117,7 @@ std::optional<sim::EffectConfig> to_effect(const Found& found, const Eigen::Vect
     e.parameters = {{"scale", {values.norm() / kEarthRate_radps}}};
     return e;
   }
-  if (found.id == "mag_sat") return std::nullopt;
+  if (found.id == "mag_sat" || found.shape_name == kTrackerShape) return std::nullopt;
   Eigen::Index next = 0;
   if (values.size() == 6) {  // temp_quad with its linear part
     for (const auto& p : info->parameters) e.parameters[p.key] = list(values, p.required ? 3 : 0, 3);

@@ -30,12 +30,17 @@ Series lagged_difference(const Series& T, double dt_s, double tau_s) {
   return out;
 }
 
-/// Mean square of what is faster than `above_Hz`, over half a second.
-Series3 vibration_power(const Series3& f, double dt_s, double above_Hz) {
-  const Response low = low_pass(above_Hz / 1.5);
-  const Series3 fast = apply_response(f, dt_s, [&](double x) { return 1.0 - low(x); });
-  const Response half_second = low_pass(1.0);
-  return apply_response(fast.cwiseAbs2(), dt_s, half_second).cwiseMax(0.0);
+/// What is left of x when an adaptive bias estimate, started at zero, follows it at rest with time constant tau and
+/// holds in motion.
+Series after_tracker(const Series& x, const Mask& rest, double dt_s, double tau_s) {
+  Series out(x.size());
+  double tracked = 0.0;
+  const double share = 1.0 - std::exp(-dt_s / tau_s);
+  for (Eigen::Index i = 0; i < x.size(); ++i) {
+    if (rest[static_cast<std::size_t>(i)]) tracked += share * (x[i] - tracked);
+    out[i] = x[i] - tracked;
+  }
+  return out;
 }
 
 Series3 world_vector(const Signals& s, const Vec3& v) {
@@ -134,6 +139,25 @@ class LawList {
     lag.shape_unit = "s";
   }
 
+  /// The same physics behind an estimator that has already taken the slow part of it away.
+  void thermal_behind_tracker() {
+    if (!s_.temperature_K.size() || !s_.has_rest) return;
+    const Signals& s = s_;
+    const auto behind = [&](const std::string& id, const Series& x, const std::string& name, const std::string& unit) {
+      Law& law = add(
+          id, [&s, x](double tau) { return on_each_axis(after_tracker(x, s.rest, s.dt_s, tau)); },
+          {name + "_x", name + "_y", name + "_z"}, unit,
+          "delta = x - b, db/dt = (x - b) / tau at rest, x as without the estimator",
+          "temperature, partly absorbed by an adaptive bias estimate");
+      law.extent = Extent::kWhole;
+      law.shapes = {3.0, 6.0, 10.0, 15.0, 22.0, 32.0, 50.0};
+      law.shape_name = kTrackerShape;
+      law.shape_unit = "s";
+    };
+    behind(prefix_ + "temp_lin", s.temperature_K, "k", std::string(kSensorUnit[sensor_]) + "/K");
+    behind(prefix_ + "temp_quad", s.temperature_K.cwiseAbs2(), "k2", std::string(kSensorUnit[sensor_]) + "/K^2");
+  }
+
   void nonlinear() {
     const Signals& s = s_;
     const Sensor k = sensor_;
@@ -153,13 +177,10 @@ class LawList {
 
   void vibration() {
     const Signals& s = s_;
-    const double nyquist = 0.5 / s.dt_s;
-    if (nyquist < 15.0 || !s.present[kAcc]) return;
-    Law& law = add(
-        prefix_ + "vre", [&s](double above) { return diagonal(vibration_power(s.reading[kAcc], s.dt_s, above)); },
-        kPerAxis, std::string(kSensorUnit[sensor_]) + " per (m/s^2)^2", "delta = k <f_hf^2> over 0.5 s",
-        "vibration power");
-    law.shapes = {15.0};
+    if (s.vibration.rows() == 0) return;
+    add(
+        prefix_ + "vre", [&s](double) { return diagonal(s.vibration); }, kPerAxis,
+        std::string(kSensorUnit[sensor_]) + " per (m/s^2)^2", "delta = k <f_hf^2> over 0.5 s", "vibration power");
   }
 
   void timing() {
@@ -298,6 +319,7 @@ std::vector<Law> make_laws(const Signals& s, Sensor sensor) {
   list.supply();
   if (sensor == kAcc) list.accelerometer();
   if (sensor == kGyr) list.gyroscope();
+  if (sensor == kGyr) list.thermal_behind_tracker();
   if (sensor == kMag) list.magnetometer();
   return list.take();
 }

@@ -17,6 +17,9 @@ enum class Kind {
   kTiming,         ///< a delay or filter: its linear form here only finds it, timing.h names it
 };
 
+/// Shape name of a law seen through an adaptive bias estimate: no effect of the catalogue has it.
+inline constexpr const char* kTrackerShape = "tracker_tau";
+
 enum class Extent { kAny, kStep, kWhole };  ///< may be local in time; must be (a constant would be the offset); never
 
 struct Law {

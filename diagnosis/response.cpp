@@ -58,6 +58,12 @@ Response low_pass(double pass_Hz) {
   };
 }
 
+Series3 vibration_power(const Series3& f, double dt_s, double above_Hz) {
+  const Response low = low_pass(above_Hz / 1.5);
+  const Series3 fast = apply_response(f, dt_s, [&](double x) { return 1.0 - low(x); });
+  return apply_response(fast.cwiseAbs2(), dt_s, low_pass(1.0)).cwiseMax(0.0);
+}
+
 Response delay_response(double tau_s) {
   return [tau_s](double f) { return std::exp(-laplace(f) * tau_s); };
 }

@@ -17,6 +17,9 @@ using Response = std::function<std::complex<double>(double frequency_Hz)>;
 /// Zero-phase low-pass with a raised-cosine edge between `pass_Hz` and 1.5 `pass_Hz`.
 [[nodiscard]] Response low_pass(double pass_Hz);
 
+/// Mean square of what is faster than `above_Hz`, over half a second.
+[[nodiscard]] Series3 vibration_power(const Series3& f, double dt_s, double above_Hz);
+
 /// exp(-s tau)
 [[nodiscard]] Response delay_response(double tau_s);
 /// 1 / (1 + s tau)

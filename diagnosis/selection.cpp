@@ -13,6 +13,7 @@ constexpr double kLeastNet = 3.0;
 constexpr double kLeastShareOfFirst = 0.02;  // the remainder of a large effect must not get a name of its own
 constexpr std::size_t kShortNamed = 6, kShortUnknown = 2, kShortBesideWalk = 3;
 constexpr double kWalkWorthwhile = 2.0;
+constexpr double kWalkFreedom = 8.0;  // what three rates of a random walk and their name are worth
 
 double net_of(const Candidate& c) { return c.gain_nats - charge(static_cast<std::size_t>(c.coefficients), c.window); }
 
@@ -111,6 +112,30 @@ Found found_from(const Law& law, const Candidate& c, Columns columns) {
   return f;
 }
 
+/// Where a gap of the fitted length begins, to the sample: the evidence summed up has its turning point there.
+Eigen::Index refine_gap(const Signals& s, const SensorSearch& search, const NoiseModel& noise, Eigen::Index begin) {
+  const auto gap_law = [&](Eigen::Index from) {
+    for (TimingLaw& law : make_timing_laws(s, search.sensor, from))
+      if (law.id == "sys_gap") return law;
+    return TimingLaw{};
+  };
+  const TimingLaw rough = gap_law(begin), everywhere = gap_law(1);
+  const TimingFit fit = fit_timing(search.target, search.explained(), noise, rough);
+  if (fit.gain_nats < 0) return begin;
+  Target shifted = search.target;
+  shifted.residual -= fit.delta;
+  const Series3 without = fit_with(shifted, search.explained(), noise, {}).leftover + fit.delta;
+  const Series3 with = without - everywhere.delta(fit.parameters);
+  Series evidence = Series::Zero(s.n);
+  for (int axis = 0; axis < 3; ++axis)
+    evidence += noise.whiten(search.target.layout, without.col(axis), axis).cwiseAbs2() -
+                noise.whiten(search.target.layout, with.col(axis), axis).cwiseAbs2();
+  for (Eigen::Index i = 1; i < s.n; ++i) evidence[i] += evidence[i - 1];
+  Eigen::Index at = 0;
+  evidence.minCoeff(&at);
+  return std::clamp<Eigen::Index>(at, 1, s.n - 1);
+}
+
 /// The timing laws, when the scan saw something that changes with the derivative of the measured vector.
 std::vector<Found> refine_timing(const Signals& s, const SensorSearch& search, const std::vector<Candidate>& shortlist,
                                  const NoiseModel& noise, double null_likelihood) {
@@ -120,11 +145,12 @@ std::vector<Found> refine_timing(const Signals& s, const SensorSearch& search, c
     const Law& law = law_of(search, c.law);
     if (law.kind != Kind::kTiming) continue;
     wanted = true;
-    if (law.id == "sys_gap" && c.window.end == s.n)
+    if (law.id == "sys_gap" && c.window.end == s.n && gap_begin == 0)
       gap_begin = refine_window(search.target, search.explained(), law, c, noise).begin;
   }
   std::vector<Found> out;
   if (!wanted) return out;
+  if (gap_begin > 0) gap_begin = refine_gap(s, search, noise, gap_begin);
   for (const TimingLaw& law : make_timing_laws(s, search.sensor, gap_begin)) {
     const TimingFit fit = fit_timing(search.target, search.explained(), noise, law);
     if (fit.gain_nats < 0) continue;
@@ -219,8 +245,12 @@ std::optional<Found> next_effect(const Signals& s, SensorSearch& search) {
     if (law.kind == Kind::kTiming) continue;
     if (c.window.local) c.window = refine_window(t, explained, law, c, noise);
     Found f = found_from(law, c, in_window(law.columns(c.shape), c.window));
-    f.gain_nats = fit_profile(t, joined(explained, f.columns)).log_likelihood - null;
+    const Fit fit = fit_profile(t, joined(explained, f.columns));
+    f.gain_nats = fit.log_likelihood - null;
     f.net_nats = f.gain_nats - charge(f.columns.size(), f.window);
+    // A driver that leaves no drift has bought out the walk that the baseline needed.
+    const bool drift_gone = fit.walk_q[0] == 0.0 && fit.walk_q[1] == 0.0 && fit.walk_q[2] == 0.0;
+    if (walking && drift_gone) f.net_nats += kWalkFreedom;
     refined.push_back(std::move(f));
   }
   std::sort(refined.begin(), refined.end(), [](const Found& a, const Found& b) { return a.net_nats > b.net_nats; });

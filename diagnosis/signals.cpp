@@ -16,6 +16,7 @@ constexpr double kMotionBand_Hz = 10.0;    // hands, limbs and vehicles move bel
 constexpr double kExactJitter_rad = 2e-6;  // a reference quieter than this is arithmetic, not a camera
 constexpr double kMotionOverNoise =
     60.0;  // power; the noise in a driver then costs a candidate less than it costs to be named
+constexpr double kVibration_Hz = 15.0;
 constexpr double kRestWindow_s = 0.6;
 constexpr double kRestMargin_s = 0.25;
 constexpr double kEnds_s = 0.6;  // where differences are one-sided and filters lean on the mirror image
@@ -288,6 +289,8 @@ Result<Signals> make_signals(const io::Recording& recording, const sim::Simulati
                 "no sensor of the simulation has readings in the recording; check its column names");
   read_drivers(s, recording);
   s.rest = find_rest(s);
+  if (s.present[kAcc] && 0.5 / s.dt_s > kVibration_Hz * 1.5)
+    s.vibration = vibration_power(s.reading[kAcc], s.dt_s, kVibration_Hz);
   s.has_orientation = !recording.ref_q_world_body.empty();
   s.has_position = !recording.ref_position_m.empty();
   if (!s.has_orientation) return s;

@@ -45,7 +45,8 @@ struct Signals {
   std::array<Series3, 3> world_axis;        ///< world x, y, z seen from the sensor: the columns of R'
   Series3 position_m;                       ///< in the world, its mean removed
   Series temperature_K, current_A,
-      voltage_V;  ///< empty: not recorded. Temperature relative to 25 degC, smoothed over 1 s
+      voltage_V;      ///< empty: not recorded. Temperature relative to 25 degC, smoothed over 1 s
+  Series3 vibration;  ///< power of the specific force above 15 Hz, (m/s^2)^2; empty: sampled too slowly
   Mask rest;
   std::vector<std::string> notices;
 
@@ -58,6 +59,9 @@ inline constexpr double kReferenceTemperature_degC = 25.0;
 /// in it. `muted` comes from the forensics, one mask a sensor, empty for none.
 [[nodiscard]] Result<Signals> make_signals(const io::Recording& recording, const sim::SimulationConfig& simulation,
                                            const std::array<Mask, kSensors>& muted);
+
+/// Means of `factor` neighbours, for recordings sampled far faster than anything moves. Noise stays white under it.
+[[nodiscard]] Signals thinned(const Signals& s, Eigen::Index factor);
 
 /// Eighth-order central differences; the four samples at either end take the value next to them.
 [[nodiscard]] Series3 derivative(const Series3& x, double dt_s);

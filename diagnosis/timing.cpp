@@ -1,5 +1,6 @@
 #include "diagnosis/timing.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "diagnosis/response.h"
@@ -8,6 +9,8 @@ namespace stillpoint::diag {
 namespace {
 
 constexpr int kGaussNewtonSteps = 6;
+constexpr double kLikeness_s = 0.04;
+constexpr std::size_t kStartsRefined = 2;
 
 Series3 quiet_at_rest(const Signals& s, Series3 x) {
   for (Eigen::Index i = 0; i < s.n; ++i)
@@ -25,12 +28,34 @@ Series3 beyond_truth(const Signals& s, Sensor k, const Response& h) {
   return quiet_at_rest(s, apply_response(s.vector[k], s.dt_s, gain));
 }
 
+/// x at other times, in samples, by Lagrange's polynomial through six neighbours; beyond the ends the end value.
+Series3 resampled(const Series3& x, const Series& at) {
+  constexpr int kPoints = 6;
+  Series3 out(at.size(), 3);
+  const Eigen::Index n = x.rows();
+  for (Eigen::Index i = 0; i < at.size(); ++i) {
+    const double position = std::clamp(at[i], 0.0, static_cast<double>(n - 1));
+    const Eigen::Index first =
+        std::clamp<Eigen::Index>(static_cast<Eigen::Index>(std::floor(position)) - 2, 0, n - kPoints);
+    Eigen::RowVector3d sum = Eigen::RowVector3d::Zero();
+    for (int j = 0; j < kPoints; ++j) {
+      double weight = 1.0;
+      for (int m = 0; m < kPoints; ++m)
+        if (m != j) weight *= (position - static_cast<double>(first + m)) / static_cast<double>(j - m);
+      sum += weight * x.row(first + j);
+    }
+    out.row(i) = sum;
+  }
+  return out;
+}
+
+/// u(t) = true(t (1 + epsilon)); when the truth is the sensor itself, the clock is set right instead.
 Series3 skewed(const Signals& s, Sensor k, double epsilon) {
-  // true(t + epsilon t) to second order in the shift, which stays below a sample or two
-  const Series3 first = derivative(s.vector[k], s.dt_s), second = second_derivative(s.vector[k], s.dt_s);
-  const Series shift = epsilon * s.t_s;
-  const double sign = s.exact_reference || k == kMag ? 0.5 : -0.5;
-  return quiet_at_rest(s, shift.asDiagonal() * first + sign * (shift.cwiseAbs2().asDiagonal() * second));
+  const bool from_truth = s.exact_reference || k == kMag;
+  const double rate = from_truth ? 1.0 + epsilon : 1.0 / (1.0 + epsilon);
+  const Series at = rate * Series::LinSpaced(s.n, 0.0, static_cast<double>(s.n - 1));
+  const Series3 moved = resampled(s.vector[k], at);
+  return quiet_at_rest(s, from_truth ? Series3(moved - s.vector[k]) : Series3(s.vector[k] - moved));
 }
 
 TimingLaw one_number(std::string id, std::string name, std::string unit, std::string equation, std::string driver,
@@ -80,11 +105,16 @@ std::vector<TimingLaw> make_timing_laws(const Signals& s, Sensor k, Eigen::Index
                                  d.topRows(gap_begin).setZero();
                                  return d;
                                });
-    for (int n : {-3, -2, -1, 1, 2, 3}) gap.starts.push_back(Eigen::VectorXd::Constant(1, n * s.dt_s));
+    for (int n : {-50, -35, -25, -17, -12, -8, -5, -3, -2, -1, 1, 2, 3, 5, 8, 12})
+      gap.starts.push_back(Eigen::VectorXd::Constant(1, n * s.dt_s));
     laws.push_back(std::move(gap));
   }
+  std::vector<double> rates{
+      0.0};  // motion keeps its likeness for some 40 ms: the grid must not step over that by the end
+  const double step = kLikeness_s / s.duration_s();
+  for (double e = step; e < 0.0105; e += step) rates.insert(rates.end(), {e, -e});
   laws.push_back(one_number("sys_skew", "epsilon", "1", "u(t) = true(t (1 + epsilon))",
-                            "time times the first derivative", {0.0}, [&s, k](double e) { return skewed(s, k, e); }));
+                            "time times the first derivative", rates, [&s, k](double e) { return skewed(s, k, e); }));
   return laws;
 }
 
@@ -92,7 +122,17 @@ TimingFit fit_timing(const Target& target, const Columns& explained, const Noise
   const std::array<double, 3> no_walk{};
   const double before = fit_with(target, explained, noise, no_walk).log_likelihood;
   TimingFit best;
-  for (const Eigen::VectorXd& start : law.starts) {
+  const auto gain_at = [&](const Eigen::VectorXd& p) {
+    Target shifted = target;
+    shifted.residual -= law.delta(p);
+    return fit_with(shifted, explained, noise, no_walk).log_likelihood - before;
+  };
+  std::vector<std::pair<double, Eigen::VectorXd>> starts;
+  for (const Eigen::VectorXd& start : law.starts)
+    starts.emplace_back(law.starts.size() > kStartsRefined ? gain_at(start) : 0.0, start);
+  std::sort(starts.begin(), starts.end(), [](const auto& a, const auto& b) { return a.first > b.first; });
+  starts.resize(std::min(starts.size(), kStartsRefined));
+  for (const auto& [gain, start] : starts) {
     Eigen::VectorXd p = start;
     double reached = -1e300;
     for (int step = 0; step < kGaussNewtonSteps; ++step) {
