@@ -119,7 +119,11 @@ Answer diagnose(const io::Recording& recording, const sim::SimulationConfig& giv
   const EngineResult engine = search_all(s);
   answer.diagnosis.findings = forensics.findings;
   const std::size_t kept = answer.diagnosis.findings.size();
+  std::vector<Sensor> order;  // whoever sees an effect of the whole clock best speaks first
+  for (const SystemEffect& e : engine.system) order.push_back(e.lead);
   for (const Sensor k : {kAcc, kGyr, kMag})
+    if (std::find(order.begin(), order.end(), k) == order.end()) order.push_back(k);
+  for (const Sensor k : order)
     if (engine.sensor[k]) report_sensor(s, engine, k, simulation.effects, answer);
   std::stable_sort(answer.diagnosis.findings.begin() + static_cast<std::ptrdiff_t>(kept),
                    answer.diagnosis.findings.end(),

@@ -248,6 +248,10 @@ void report_sensor(const Signals& s, const EngineResult& engine, Sensor sensor,
   for (std::size_t i = 0; i < search.found.size() && !switched; ++i) {
     const Found& f = search.found[i];
     if (f.kind == Kind::kConfiguration) continue;
+    // The remainder of an effect already told, here or by the sensor that sees it best, is the same effect.
+    const auto same = [&](const Finding& told) { return told.effect == f.id; };
+    if (std::any_of(findings.begin(), findings.end(), same)) continue;
+    if (std::any_of(answer.diagnosis.findings.begin(), answer.diagnosis.findings.end(), same)) continue;
     findings.push_back(finding_from(s, search, i, finished));
     const Eigen::Index count = static_cast<Eigen::Index>(f.columns.size());
     if (const auto e = to_effect(f, finished.values.segment(first_column(search, i), count), s.dt_s))

@@ -1,0 +1,146 @@
+// The engine on recordings of our own simulator, where the truth is known: each effect comes back under its own name
+// and size.
+#include <gmock/gmock.h>
+
+#include <cmath>
+
+#include "diagnosis/diagnose.h"
+#include "diagnosis/evidence.h"
+#include "diagnosis/response.h"
+#include "diagnosis/summary.h"
+#include "io/simulated_recording.h"
+
+namespace stillpoint::diag {
+namespace {
+
+using Parameters = std::map<std::string, std::vector<double>>;
+
+sim::SimulationConfig baseline(const std::string& reference) {
+  sim::SimulationConfig s;
+  s.rate_hz = 50;
+  s.accelerometer = sim::TriadConfig{.noise_sd = 0.02};
+  s.gyroscope = sim::TriadConfig{.bias = Vec3(0.01, -0.004, 0.002), .noise_sd = 0.001};
+  s.magnetometer = sim::TriadConfig{.bias = Vec3(3, -5, 2), .noise_sd = 0.3};
+  s.motion = sim::MotionConfig{};
+  s.motion->duration_s = 100;
+  s.reference.kind = reference;
+  return s;
+}
+
+io::Recording record(sim::SimulationConfig config, const std::string& id, const Parameters& parameters,
+                     std::uint64_t seed) {
+  if (!id.empty()) config.effects.push_back({.id = id, .parameters = parameters, .axes = {}, .window_s = {}});
+  return io::to_recording(sim::simulate(config, seed));
+}
+
+std::vector<std::string> names(const Answer& answer) {
+  std::vector<std::string> out;
+  for (const Finding& f : answer.diagnosis.findings) out.push_back(f.effect);
+  return out;
+}
+
+class BothReferences : public testing::TestWithParam<std::string> {};
+INSTANTIATE_TEST_SUITE_P(Engine, BothReferences, testing::Values("exact", "mocap"));
+
+TEST_P(BothReferences, SaysNothingOfACleanRecording) {
+  const auto config = baseline(GetParam());
+  for (std::uint64_t seed = 1; seed <= 3; ++seed)
+    EXPECT_THAT(names(diagnose(record(config, "", {}, seed), config)), testing::IsEmpty()) << "seed " << seed;
+}
+
+TEST_P(BothReferences, ReportsAWrongBiasAsConfigurationAndNotAsPhysics) {
+  const auto truth = baseline(GetParam());
+  auto wrong = truth;
+  wrong.gyroscope->bias += Vec3(0.02, 0, 0);
+  const Answer answer = diagnose(record(truth, "", {}, 4), wrong);
+  EXPECT_THAT(names(answer), testing::IsEmpty());
+  ASSERT_FALSE(answer.diagnosis.configuration.empty());
+  EXPECT_EQ(answer.diagnosis.configuration.front().sensor, "gyr");
+}
+
+TEST_P(BothReferences, NamesTheLeverArmWithItsLength) {
+  const auto config = baseline(GetParam());
+  const std::vector<double> r{0.03, -0.02, 0.04};
+  const Answer answer = diagnose(record(config, "acc_lever", {{"r_m", r}}, 5), config);
+  ASSERT_THAT(names(answer), testing::ElementsAre("acc_lever"));
+  for (std::size_t i = 0; i < 3; ++i)
+    EXPECT_NEAR(answer.diagnosis.findings[0].parameters[i].value, r[i],
+                2e-3);  // the driver itself is known to some percent
+}
+
+TEST_P(BothReferences, NamesTheCurrentAndHoldsItsSizeInTheInterval) {
+  auto config = baseline(GetParam());
+  config.environment.current.kind = "steps";
+  const Answer answer = diagnose(record(config, "mag_current", {{"k_uT_per_A", {0.8, -0.5, 0.3}}}, 6), config);
+  ASSERT_THAT(names(answer), testing::ElementsAre("mag_current"));
+  const Parameter& k = answer.diagnosis.findings[0].parameters[0];
+  EXPECT_NEAR(k.value, 0.8, 3.0 * (k.ci95[1] - k.ci95[0]));
+  EXPECT_LT(k.ci95[1] - k.ci95[0], 0.1);
+}
+
+TEST(Engine, FindsNothingMoreOnceTheFindingIsInTheSimulation) {
+  auto config = baseline("exact");
+  const auto recording =
+      record(config, "gyr_gsens", {{"G_radps_per_mps2", {1e-4, 0, 2e-4, 0, 1e-4, 0, 0, 1e-4, 1e-4}}}, 7);
+  const Answer answer = diagnose(recording, config);
+  ASSERT_THAT(names(answer), testing::ElementsAre("gyr_gsens"));
+  ASSERT_EQ(answer.effects.size(), 1u);
+  config.effects = answer.effects;
+  EXPECT_EQ(diagnose(recording, config).diagnosis.verdict, Verdict::kNoMismatch);
+}
+
+TEST(Engine, LocatesAStepOfTheHardIronToTheTenthOfASecond) {
+  const auto config = baseline("exact");
+  const Answer answer =
+      diagnose(record(config, "mag_hard_step", {{"b_uT", {2, -1, 1.5}}, {"t0_s", {47.3}}}, 8), config);
+  ASSERT_THAT(names(answer), testing::ElementsAre("mag_hard_step"));
+  EXPECT_NEAR(answer.diagnosis.findings[0].interval_s[0], 47.3, 0.1);
+}
+
+TEST(Engine, GivesACommonDelayToTheSystemAndALonelyOneToItsSensor) {
+  const auto config = baseline("exact");
+  EXPECT_THAT(names(diagnose(record(config, "sys_offset", {{"tau_s", {0.01}}}, 9), config)),
+              testing::ElementsAre("sys_offset"));
+  EXPECT_THAT(names(diagnose(record(config, "gyr_delay", {{"tau_s", {0.005}}}, 9), config)),
+              testing::ElementsAre("gyr_delay"));
+}
+
+TEST(Engine, AbstainsOnTooShortARecordingAndSaysSo) {
+  auto config = baseline("exact");
+  config.motion->duration_s = 8;
+  const Answer answer = diagnose(record(config, "", {}, 10), config);
+  EXPECT_EQ(answer.diagnosis.verdict, Verdict::kInsufficientData);
+  EXPECT_FALSE(answer.diagnosis.notices.empty());
+}
+
+TEST(Response, DelaysASineByItsDelay) {
+  const double dt = 0.02, tau = 0.0137, w = 2.0 * M_PI * 1.5;
+  Series3 x(2000, 3), expected(2000, 3);
+  for (Eigen::Index i = 0; i < x.rows(); ++i)
+    for (int a = 0; a < 3; ++a) {
+      x(i, a) = std::sin(w * static_cast<double>(i) * dt + a);
+      expected(i, a) = std::sin(w * (static_cast<double>(i) * dt - tau) + a);
+    }
+  const Series3 y = apply_response(x, dt, delay_response(tau));
+  EXPECT_LT((y - expected).middleRows(200, 1600).cwiseAbs().maxCoeff(), 2e-3);  // the mirrored ends ring a little
+}
+
+TEST(Evidence, ChiSquareTailMeetsItsTables) {
+  EXPECT_NEAR(chi_square_tail(7.815, 3.0), 0.05, 0.002);
+  EXPECT_NEAR(chi_square_tail(21.666, 9.0), 0.01, 0.0005);
+}
+
+TEST(Summary, JsonHoldsTheContractsKeys) {
+  Diagnosis d;
+  d.verdict = Verdict::kExplained;
+  d.findings.push_back({});
+  d.findings[0].p_value = std::nan("");
+  const std::string text = to_json(d);
+  for (const char* key : {"\"schema\"", "\"verdict\"", "\"findings\"", "\"equivalent\"", "\"held_out\"",
+                          "\"configuration\"", "\"residual\""})
+    EXPECT_THAT(text, testing::HasSubstr(key));
+  EXPECT_THAT(text, testing::Not(testing::HasSubstr("nan")));
+}
+
+}  // namespace
+}  // namespace stillpoint::diag
