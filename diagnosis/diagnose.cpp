@@ -120,7 +120,8 @@ Answer diagnose(const io::Recording& recording, const sim::SimulationConfig& giv
   answer.diagnosis.findings = forensics.findings;
   const std::size_t kept = answer.diagnosis.findings.size();
   std::vector<Sensor> order;  // whoever sees an effect of the whole clock best speaks first
-  for (const SystemEffect& e : engine.system) order.push_back(e.lead);
+  for (const SystemEffect& e : engine.system)
+    if (std::find(order.begin(), order.end(), e.lead) == order.end()) order.push_back(e.lead);
   for (const Sensor k : {kAcc, kGyr, kMag})
     if (std::find(order.begin(), order.end(), k) == order.end()) order.push_back(k);
   for (const Sensor k : order)
