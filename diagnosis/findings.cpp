@@ -115,11 +115,12 @@ Finding finding_from(const Signals& s, const SensorSearch& search, std::size_t i
   return out;
 }
 
-/// Two or more effects that come and go in one sensor are one cause that switches and that nobody recorded.
-bool switching(const SensorSearch& search) {
+/// Effects of one sensor that act in a part of the recording only. Two or more are one cause that switches, not
+/// recorded.
+int locals(const SensorSearch& search) {
   int local = 0;
   for (const Found& f : search.found) local += f.window.local && f.kind != Kind::kTiming ? 1 : 0;
-  return local >= 2;
+  return local;
 }
 
 Finding switching_finding(const Signals& s, const SensorSearch& search, const Finished& finished) {
@@ -243,7 +244,10 @@ void report_sensor(const Signals& s, const EngineResult& engine, Sensor sensor,
   const Finished finished = finish(search);
   std::vector<Finding> findings;
   std::vector<sim::EffectConfig> effects;
-  const bool switched = switching(search);
+  // A step that leaves drift behind, where a driver was not recorded, is more likely a piece of that driver's curve.
+  const bool drifts = finished.walk_gain_nats > std::max(kDriftNats, kLeastShareOfFirst * search.first_gain);
+  const bool piece = drifts && locals(search) > 0 && !missing_drivers(s, sensor).empty();
+  const bool switched = locals(search) >= 2 || piece;
   if (switched) findings.push_back(switching_finding(s, search, finished));
   for (std::size_t i = 0; i < search.found.size() && !switched; ++i) {
     const Found& f = search.found[i];
@@ -259,7 +263,6 @@ void report_sensor(const Signals& s, const EngineResult& engine, Sensor sensor,
   }
   const std::string drift = std::string(kSensorName[sensor]) + "_drift";
   const bool known_drift = std::any_of(given.begin(), given.end(), [&](const auto& e) { return e.id == drift; });
-  const bool drifts = finished.walk_gain_nats > std::max(kDriftNats, kLeastShareOfFirst * search.first_gain);
   if (drifts && !known_drift && !switched) {
     findings.push_back(drift_finding(s, search, finished));
     sim::EffectConfig e;
