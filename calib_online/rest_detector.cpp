@@ -11,6 +11,9 @@ namespace {
 
 constexpr int kAccIndex = 0, kGyrIndex = 1, kMagIndex = 2;
 constexpr double kMovedRate_radps = 0.35;      // faster than any turn a stretch of rest could hide
+constexpr double kDriftMemory_s = 0.1;         // of the mean that every sample since a window feeds
+constexpr double kDriftSpreads = 2.0;          // of the spread that a window of rest may have: beyond, it is over
+constexpr double kSampleSd = 6.0;              // one sample in 1e8 by chance, an axis
 constexpr double kAnchorAngle_rad = 0.3;       // beyond, the chord of a turn is no longer its arc
 constexpr double kAnchorAge_s = 120.0;         // longer, and the drift of the sensors looks like a turn
 constexpr double kScaleError = 0.005;          // of a gyro before its matrix is learnt
@@ -41,6 +44,7 @@ std::optional<Window> RestDetector::push(const RawSample& sample, const Calibrat
     last_refusal_ = Refusal::kGap;
   } else if (has_last_) {
     integrate(sample, calibration, temp_degC);
+    if (at_rest()) hold_against_rest(sample, static_cast<double>(sample.t_ns - last_t_ns_) * kSecondsPerNs);
   }
   std::optional<Window> window;
   if (open_ && sample.t_ns - current_.t_first_ns >= quarter_ns_) {
@@ -58,6 +62,26 @@ std::optional<Window> RestDetector::push(const RawSample& sample, const Calibrat
   last_t_ns_ = sample.t_ns;
   has_last_ = true;
   return window;
+}
+
+/// The next full window is up to two seconds away; whoever holds the rate for zero must know at once.
+void RestDetector::hold_against_rest(const RawSample& sample, double dt_s) noexcept {
+  const std::array<const Array3*, 2> reading{&sample.acc_mps2, &sample.gyr_radps};
+  const std::array<bool, 2> measured{sample.holds(kAcc), sample.holds(kGyr)};
+  const std::array<double, 2> spread{params_.acc_spread_mps2, params_.gyr_spread_radps};
+  const double share = std::min(1.0, dt_s / kDriftMemory_s);
+  bool beyond = false, drifted = false;
+  for (std::size_t k = 0; k < 2; ++k) {
+    if (!measured[k] || !held_.has[k] || !finite(*reading[k])) continue;
+    const Vec3 deviation = vec(*reading[k]) - held_.mean[k];
+    held_.drift[k] += share * (deviation - held_.drift[k]);
+    const double sd = held_.noise_sd[k];
+    const double rest = kDriftSpreads * spread[k];
+    beyond = beyond || deviation.squaredNorm() > std::pow(kSampleSd * sd + rest, 2);
+    drifted = drifted || held_.drift[k].squaredNorm() > std::pow(kSampleSd * sd * std::sqrt(share / 2.0) + rest, 2);
+  }
+  held_.beyond = beyond ? held_.beyond + 1 : 0;
+  if (held_.beyond >= 2 || drifted) last_refusal_ = Refusal::kSwaying;
 }
 
 void RestDetector::restart() noexcept {
@@ -206,6 +230,13 @@ Window RestDetector::make_window(const Evidence& e, Refusal rate, const Calibrat
   }
   w.turn_cov = array(e.turn_cov);
   hand_on_rotation(w, calibration);
+  held_ = Held{};
+  for (std::size_t k = 0; k < 2; ++k) {
+    held_.has[k] = (w.has & bits[k]) != 0;
+    held_.mean[k] = vec(*means[k]);
+    held_.drift[k] = Vec3::Zero();
+    held_.noise_sd[k] = std::sqrt(e.triad[k].white_var);
+  }
   w.moved = moved_;
   moved_ = false;
   filled_ = 0;

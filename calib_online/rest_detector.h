@@ -67,7 +67,8 @@ class RestDetector {
   /// gyro.
   std::optional<Window> push(const RawSample& sample, const CalibrationSnapshot& calibration) noexcept;
 
-  /// True while the last full window was one of rest: neither turning nor swaying nor accelerated.
+  /// True while the last full window was one of rest and no sample since contradicts it: two samples in a row beyond
+  /// six sd of the window's own noise, or a tenth of a second's mean beyond what rest may do.
   [[nodiscard]] bool at_rest() const noexcept { return last_refusal_ == Refusal::kNone; }
   /// Why the last evaluated stretch was not one of rest.
   [[nodiscard]] Refusal last_refusal() const noexcept { return last_refusal_; }
@@ -130,6 +131,7 @@ class RestDetector {
   void add(const RawSample& sample, const CalibrationSnapshot& calibration, double temp_degC) noexcept;
   void add(int which, const Vec3& u, int block, const Mat3& R_ref_body) noexcept;
   void begin_quarter(const RawSample& sample) noexcept;
+  void hold_against_rest(const RawSample& sample, double dt_s) noexcept;
   void restart() noexcept;
   std::optional<Window> evaluate(const CalibrationSnapshot& calibration) noexcept;
   [[nodiscard]] Summary summarise(int which) const noexcept;
@@ -162,6 +164,13 @@ class RestDetector {
     std::array<bool, 3> has{};
     std::int64_t t_ns = 0;
   } anchor_;
+  /// The raw readings of the last window of rest, against which every sample since is held.
+  struct Held {
+    std::array<Vec3, 2> mean{}, drift{};  ///< acc, gyr; drift: mean deviation over the last tenth of a second
+    std::array<double, 2> noise_sd{};     ///< of one sample, per axis
+    std::array<bool, 2> has{};
+    int beyond = 0;  ///< samples in a row
+  } held_;
   Vec3 seen_turn_ = Vec3::Zero();  ///< rad/s; the last steady turn that gravity or field showed, zero when it is over
   std::int64_t suspected_since_ns_ = 0;
   bool suspected_ = false;

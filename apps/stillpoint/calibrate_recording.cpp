@@ -160,7 +160,9 @@ Json to_json(const TriadCalibration& t) {
   j["status"] = text(t.status);
   j["windows"] = t.windows;
   j["bias"] = t.bias;
-  j["bias_sd"] = {std::sqrt(t.bias_covariance[0]), std::sqrt(t.bias_covariance[4]), std::sqrt(t.bias_covariance[8])};
+  j["bias_sd"] = nullptr;  // unknown is not zero
+  if (t.bias_covariance[0] > 0.0)
+    j["bias_sd"] = {std::sqrt(t.bias_covariance[0]), std::sqrt(t.bias_covariance[4]), std::sqrt(t.bias_covariance[8])};
   j["bias_per_K"] = t.bias_per_K;
   j["bias_per_K2"] = t.bias_per_K2;
   j["temp_ref_degC"] = t.temp_ref_degC;
@@ -168,7 +170,7 @@ Json to_json(const TriadCalibration& t) {
   j["matrix"] = Json::array();
   for (std::size_t r = 0; r < 3; ++r)
     j["matrix"].push_back({t.matrix[3 * r], t.matrix[3 * r + 1], t.matrix[3 * r + 2]});
-  j["norm_sd"] = t.norm_sd;
+  j["norm_sd"] = t.norm_sd > 0.0 ? Json(t.norm_sd) : Json();
   return j;
 }
 
@@ -186,24 +188,35 @@ Json to_json(const std::string& path, const Outcome& run) {
   return j;
 }
 
+/// " +- 0.0012", or that it is not known: nothing learnt is not the same as no error.
+std::string plus_minus(double variance, double factor) {
+  return variance > 0.0 ? fmt::format("+- {:.4f}", factor * std::sqrt(variance)) : std::string("(sd unknown)");
+}
+
 void print(const char* sensor, const char* unit, double factor, const TriadCalibration& t) {
   fmt::print("\n{}: {}, {} windows\n", sensor, text(t.status), t.windows);
   for (std::size_t k = 0; k < 3; ++k) {
-    fmt::print("  bias {}  {:10.4f} +- {:.4f} {}   {:+.5f} {}/K\n", "xyz"[k], factor * t.bias[k],
-               factor * std::sqrt(t.bias_covariance[4 * k]), unit, factor * t.bias_per_K[k], unit);
+    fmt::print("  bias {}  {:10.4f} {} {}", "xyz"[k], factor * t.bias[k], plus_minus(t.bias_covariance[4 * k], factor),
+               unit);
+    if (t.temp_max_degC > t.temp_min_degC) fmt::print("   {:+.5f} {}/K", factor * t.bias_per_K[k], unit);
+    fmt::print("\n");
   }
   for (std::size_t r = 0; r < 3; ++r)
     fmt::print("  matrix  {:10.6f} {:10.6f} {:10.6f}\n", t.matrix[3 * r], t.matrix[3 * r + 1], t.matrix[3 * r + 2]);
 }
 
 void print(const std::string& path, const Outcome& run) {
-  const Norms n = norms(run);
   fmt::print("{}: {:.1f} s, {} windows of rest\n", path, run.duration_s, run.windows.size());
   for (const auto& [reason, s] : run.refused_s)
     if (s > 0.0) fmt::print("  {:8.1f} s  {}\n", s, reason == "none" ? "at rest" : reason);
   print("accelerometer", "m/s^2", 1.0, run.learnt.acc);
-  fmt::print("  norm known to {:.4f} m/s^2 (rms over the sphere); windows off by {:.4f} before, {:.4f} after\n",
-             run.learnt.acc.norm_sd, n.before_mps2, n.after_mps2);
+  if (run.learnt.acc.norm_sd > 0.0) {
+    const Norms n = norms(run);
+    fmt::print("  norm known to {:.4f} m/s^2 (rms over the sphere); windows off by {:.4f} before, {:.4f} after\n",
+               run.learnt.acc.norm_sd, n.before_mps2, n.after_mps2);
+  } else {
+    fmt::print("  norm: unknown, nothing learnt\n");
+  }
   print("gyroscope", "deg/s", kDegPerRad, run.learnt.gyr);
   fmt::print("\nstill missing:\n");
   const auto lacks = missing(run);

@@ -61,6 +61,38 @@ TEST(RestDetector, FindsTheWindowsOfRestAtEveryRate) {
   }
 }
 
+/// Whoever holds the rate for zero must learn of motion within samples, not at the next window.
+TEST(RestDetector, RestIsOverWithTheFirstSamplesOfMotion) {
+  test::Synthetic source(test::SensorTruth{}, 5);
+  RestDetector detector;
+  const CalibrationSnapshot factory;
+  bool always = true;
+  int seen = 0, samples = 0;
+  source.run(2.2, {}, [&](const RawSample& s) { (void)detector.push(s, factory); });
+  ASSERT_TRUE(detector.at_rest());
+  source.run(60.0, {}, [&](const RawSample& s) {
+    (void)detector.push(s, factory);
+    always = always && detector.at_rest();
+  });
+  EXPECT_TRUE(always) << "noise alone must not end rest";
+  const auto count = [&](const RawSample& s) {
+    (void)detector.push(s, factory);
+    ++samples;
+    seen += detector.at_rest();
+  };
+  test::Motion turn;
+  turn.rate_radps = [](double) { return Vec3(0.0, 0.3, 0.0); };
+  source.run(1.0, turn, count);
+  EXPECT_LE(seen, 2);
+  // A slow start: 20 deg/s^2. A tenth of a second's mean shows it within a quarter of a second.
+  source.run(6.0, {}, [&](const RawSample& s) { (void)detector.push(s, factory); });
+  ASSERT_TRUE(detector.at_rest());
+  seen = 0;
+  turn.rate_radps = [](double t) { return Vec3(0.0, 0.0, 20 * kDeg * t); };
+  source.run(1.0, turn, count);
+  EXPECT_LE(seen, 25);
+}
+
 TEST(RestDetector, HandsOnTheRotationBetweenTwoWindows) {
   test::SensorTruth truth;
   test::Synthetic source(truth, 3);
