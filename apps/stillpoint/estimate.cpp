@@ -1,6 +1,9 @@
 /// `stillpoint estimate`: the daemon's stages over a recording, on one thread, bit-identical from run to run.
 #include <fmt/format.h>
 
+#include <array>
+#include <charconv>
+
 #include <nlohmann/json.hpp>
 
 #include "apps/stillpoint/commands.h"
@@ -31,13 +34,32 @@ std::string_view word(fusion::AttitudeStatus status) {
   return "refused";
 }
 
-/// Shortest text that reads back to the same bits.
+/// Shortest text that reads back to the same bits. By hand, because formatting is a third of the time of an estimate.
 void append_row(fmt::memory_buffer& out, const fusion::AttitudeEstimate& e) {
-  const auto& q = e.q_world_body;
-  const auto& b = e.gyro_bias_radps;
-  fmt::format_to(std::back_inserter(out), "{}.{:09d},{},{},{},{},{},{},{},{},{},{},{},{}\n", e.t_ns / 1'000'000'000,
-                 e.t_ns % 1'000'000'000, q[0], q[1], q[2], q[3], e.sigma_roll_rad, e.sigma_pitch_rad, e.sigma_yaw_rad,
-                 b[0], b[1], b[2], e.at_rest ? 1 : 0, word(e.status));
+  std::array<char, 512> line;  // 13 fields of at most 25 characters
+  char* at = line.data();
+  char* const end = at + line.size();
+  if (e.t_ns < 0) *at++ = '-';
+  const std::int64_t t_ns = std::abs(e.t_ns);
+  at = std::to_chars(at, end, t_ns / 1'000'000'000).ptr;
+  // Nine digits with leading zeros: those of 10^9 + x without the leading one.
+  char* const point = at;
+  at = std::to_chars(at, end, 1'000'000'000 + t_ns % 1'000'000'000).ptr;
+  *point = '.';
+  const auto add = [&](double x) {
+    *at++ = ',';
+    at = std::to_chars(at, end, x).ptr;
+  };
+  for (const double x : e.q_world_body) add(x);
+  for (const double x : {e.sigma_roll_rad, e.sigma_pitch_rad, e.sigma_yaw_rad}) add(x);
+  for (const double x : e.gyro_bias_radps) add(x);
+  const std::string_view status = word(e.status);
+  *at++ = ',';
+  *at++ = e.at_rest ? '1' : '0';
+  *at++ = ',';
+  at = std::copy(status.begin(), status.end(), at);
+  *at++ = '\n';
+  out.append(line.data(), at);
 }
 
 class File {
