@@ -223,7 +223,8 @@ void OnlineCalibrator::publish_acc(double temp_degC) noexcept {
   out.norm_sd = g * std::sqrt(mean_norm_variance(C));
   out.windows = s_.acc_windows;
   const Mat9 C0 = acc_.prior_covariance_at(t);
-  const bool known = worst_norm_variance(C).variance < 0.25 * worst_norm_variance(C0).variance;
+  // Twice as good as the prior in the mean, even where it is worst.
+  const bool known = worst_norm_variance(C).variance < 0.3 * mean_norm_variance(C0);
   out.status = known ? CalibrationStatus::kOk
                      : (s_.acc_windows < 12 ? CalibrationStatus::kTooFewWindows : CalibrationStatus::kNotObservable);
 }

@@ -32,7 +32,7 @@ double mean_norm_variance(const Mat9& c) noexcept {
 
 WorstDirection worst_norm_variance(const Mat9& covariance) noexcept {
   WorstDirection worst;
-  constexpr int kDirections = 96;
+  constexpr int kDirections = 48;
   constexpr double kGoldenAngle = 2.399963229728653;
   for (int k = 0; k < kDirections; ++k) {
     const double z = 1.0 - (2.0 * k + 1.0) / kDirections;
