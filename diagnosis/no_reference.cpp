@@ -9,6 +9,7 @@
 #include "diagnosis/forensics.h"
 #include "diagnosis/no_reference_laws.h"
 #include "diagnosis/no_reference_model.h"
+#include "diagnosis/no_reference_still.h"
 
 namespace stillpoint::diag {
 namespace {
@@ -356,6 +357,12 @@ void conclude(const SelfConsistency& model, const Forensics& raw, Diagnosis& d) 
 Diagnosis diagnose_without_reference(const io::Recording& recording, const sim::SimulationConfig& simulation) {
   Diagnosis d;
   const Forensics raw = examine_raw_values(recording, simulation);
+  if (detail::lies_still(recording)) {
+    d = detail::diagnose_still(recording, simulation);
+    d.findings.insert(d.findings.end(), raw.findings.begin(), raw.findings.end());
+    d.notices.insert(d.notices.end(), raw.notices.begin(), raw.notices.end());
+    return d;
+  }
   d.findings = raw.findings;
   d.abstention_nats = kAbstain_nats;
   const auto insufficient = [&](const std::string& why) {

@@ -68,8 +68,14 @@ void perturb(Draw& draw, sim::TriadConfig& t, double bias, double matrix) {
   }
 }
 
+/// The first parameter, all its numbers alike.
+void set_all(sim::EffectConfig& e, double value) {
+  auto& values = e.parameters.begin()->second;
+  std::fill(values.begin(), values.end(), value);
+}
+
 /// Parameters of the usual size, with signs; times in the middle of the recording.
-sim::EffectConfig draw_effect(Draw& draw, const std::string& id, double duration_s, double rate_hz) {
+sim::EffectConfig draw_effect(Draw& draw, const std::string& id, double duration_s) {
   sim::EffectConfig e;
   e.id = id;
   for (const auto& p : sim::find_effect(id)->parameters) {
@@ -88,11 +94,10 @@ sim::EffectConfig draw_effect(Draw& draw, const std::string& id, double duration
     auto& g = e.parameters.begin()->second;
     g[3] = g[1], g[6] = g[2], g[7] = g[5], g[8] = -g[0] - g[4];
   }
-  if (id == "sys_dup") e.parameters.begin()->second = {draw.log_uniform(0.002, 0.02)};
-  if (id == "gyr_quant") e.parameters.begin()->second = {draw.log_uniform(5e-4, 0.01)};
-  if (id == "acc_sat") e.parameters.begin()->second = {draw.uniform(10.5, 14.0)};
-  if (id == "gyr_sat") e.parameters.begin()->second = {draw.uniform(2.0, 3.0)};
-  (void)rate_hz;
+  if (id == "sys_dup") set_all(e, draw.log_uniform(0.002, 0.02));
+  if (id == "gyr_quant") set_all(e, draw.log_uniform(5e-4, 0.01));
+  if (id == "acc_sat") set_all(e, draw.uniform(10.5, 14.0));
+  if (id == "gyr_sat") set_all(e, draw.uniform(2.0, 3.0));
   return e;
 }
 
@@ -214,8 +219,7 @@ SealedCase draw_case(const std::string& salt, std::size_t index, bool quick) {
   c.baseline = config;
   const std::uint64_t seed = draw.bits();
   const std::shared_ptr<const sim::Motion> motion = sim::make_motion(*config.motion, seed);
-  for (const auto& id : effects_of(draw, kind))
-    config.effects.push_back(draw_effect(draw, id, duration_s, config.rate_hz));
+  for (const auto& id : effects_of(draw, kind)) config.effects.push_back(draw_effect(draw, id, duration_s));
   conceal(draw, kind, duration_s, config, c.truth);
   for (std::size_t i = 0; i < config.effects.size(); ++i)
     if (std::find(kScaled.begin(), kScaled.end(), config.effects[i].id) != kScaled.end())

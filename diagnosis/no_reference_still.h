@@ -1,0 +1,18 @@
+/// A recording that lies still throughout: offsets against temperature and supply, with a random walk as the rival.
+#pragma once
+#include <vector>
+
+#include "diagnosis/result.h"
+#include "io/recording.h"
+#include "simulation/config.h"
+
+namespace stillpoint::diag::detail {
+
+/// Whether the gyro's readings never leave the neighbourhood of their median: no motion at all.
+[[nodiscard]] bool lies_still(const io::Recording& recording);
+
+/// Gyroscope and accelerometer offsets in one attitude. A law must beat the walk: it is fitted to the increments of the
+/// cell means, in which a random walk is white.
+[[nodiscard]] Diagnosis diagnose_still(const io::Recording& recording, const sim::SimulationConfig& simulation);
+
+}  // namespace stillpoint::diag::detail
