@@ -1,0 +1,184 @@
+/// drift [--limits FILE] [--recordings FOLDER] [--json]: the figures by which an attitude filter gets worse without
+/// anybody noticing, each against its stored value. Exit 1 when one is beyond its tolerance, 66 when FILE is absent.
+/// Seeds are fixed; the figures do not depend on the machine.
+#include <fmt/format.h>
+
+#include <cstring>
+#include <fstream>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <optional>
+
+#include "bench/broad_run.h"
+#include "tests/fusion/random_motion.h"
+
+namespace stillpoint::bench {
+namespace {
+
+constexpr unsigned kSeeds = 20;
+constexpr double kHour_s = 3600.0;
+
+using Figures = std::map<std::string, double>;
+
+test::MotionParams consumer_sensor() {
+  test::MotionParams m;
+  m.rate_hz = 100.0;
+  m.gyr_bias_walk_radps_rtHz = 1e-5;
+  return m;
+}
+
+/// Heading drift in deg/h without magnetometer: rms over the seeds, the first 20 s at rest, then `still` or moving.
+double heading_drift(bool still, double seconds) {
+  fusion::AttitudeFilterParams params;
+  params.use_magnetometer = false;
+  double sum = 0.0;
+  for (unsigned seed = 0; seed < kSeeds; ++seed) {
+    test::RandomMotion motion(consumer_sensor(), seed);
+    fusion::AttitudeFilter filter(params);
+    const int settle = 2000, n = settle + static_cast<int>(100.0 * seconds);
+    Quat start = Quat::Identity();
+    Vec3 error = Vec3::Zero();
+    for (int i = 0; i < n; ++i) {
+      const bool rests = still || i < settle;
+      const fusion::AttitudeEstimate e = filter.step(motion.next(rests), rests);
+      const Quat difference = motion.q_world_body() * test::quat(e.q_world_body).conjugate();
+      if (i == settle) start = difference;
+      error = log_quat(difference * start.conjugate());
+    }
+    const double drift = error.z() * kDegPerRad * kHour_s / seconds;
+    sum += drift * drift / kSeeds;
+  }
+  return std::sqrt(sum);
+}
+
+/// Gyro bias error in deg/h, rms over seeds and axes at the end of a course of temperature: the bias follows
+/// `slope_radps_per_K` while the sensor rests half of each minute. The calibration's temperature model is not there.
+double bias_error(double seconds, double slope_radps_per_K, double warm_up_K, double time_s, double day_K) {
+  fusion::AttitudeFilterParams params;
+  params.use_magnetometer = false;
+  double sum = 0.0;
+  const unsigned seeds = seconds > kHour_s ? 1 : kSeeds;
+  for (unsigned seed = 0; seed < seeds; ++seed) {
+    test::MotionParams m = consumer_sensor();
+    m.rate_hz = seconds > kHour_s ? 25.0 : 100.0;
+    test::RandomMotion motion(m, seed);
+    fusion::AttitudeFilter filter(params);
+    const int n = static_cast<int>(m.rate_hz * seconds);
+    const int minute = static_cast<int>(m.rate_hz * 60.0);
+    for (int i = 0; i < n; ++i) {
+      const double t_s = static_cast<double>(i) / m.rate_hz;
+      const double warmth_K =
+          warm_up_K * (1.0 - std::exp(-t_s / time_s)) + day_K * std::sin(t_s * 2.0 * 3.14159265 / 86400.0);
+      const bool still = i % minute < minute / 2;
+      CalibratedSample s = motion.next(still);
+      for (double& rate : s.gyr_radps) rate += slope_radps_per_K * warmth_K;
+      const fusion::AttitudeEstimate e = filter.step(s, still && i % minute > static_cast<int>(2.0 * m.rate_hz));
+      if (i == n - n % minute - minute / 2 - 1 || (i % (60 * minute) == minute / 2 - 1 && i > 60 * minute)) {
+        const Vec3 error = vec(e.gyro_bias_radps) - motion.bias_radps() - Vec3::Constant(slope_radps_per_K * warmth_K);
+        sum = std::max(sum, error.squaredNorm() / 3.0);
+      }
+    }
+  }
+  return std::sqrt(sum) * kDegPerRad * kHour_s;
+}
+
+/// "disturbed_attached_magnet" of "32_disturbed_attached_magnet_1cm".
+std::string group_of(const std::string& trial) {
+  for (const char* group : {"slow_rotation", "fast_rotation", "slow_translation", "fast_translation", "tapping",
+                            "phone_vibration", "stationary_magnet", "attached_magnet"}) {
+    if (trial.find(group) != std::string::npos) return group;
+  }
+  return "other";
+}
+
+Figures broad_figures(const std::string& folder) {
+  std::map<std::string, std::vector<Score>> groups;
+  for (const Trial& trial : read_trials(folder)) {
+    groups[group_of(trial.name)].push_back(score(trial.recording, run_stillpoint(trial.recording, {}), false));
+  }
+  Figures out;
+  for (const auto& [group, scores] : groups) {
+    for (const Score& s : scores) {
+      out["broad_" + group + "_heading_deg"] += s.heading / static_cast<double>(scores.size());
+      out["broad_" + group + "_inclination_deg"] += s.inclination / static_cast<double>(scores.size());
+    }
+  }
+  return out;
+}
+
+Figures measure(const std::string& folder) {
+  Figures f = broad_figures(folder);
+  f["heading_drift_at_rest_deg_per_h"] = heading_drift(true, 600.0);
+  f["heading_drift_in_motion_deg_per_h"] = heading_drift(false, 300.0);
+  f["bias_error_warm_up_deg_per_h"] = bias_error(900.0, 5e-5, 20.0, 300.0, 0.0);
+  f["bias_error_day_deg_per_h"] = bias_error(86400.0, 5e-5, 20.0, 300.0, 10.0);
+  return f;
+}
+
+struct Verdict {
+  nlohmann::json rows = nlohmann::json::array();
+  bool regressed = false;
+};
+
+/// A figure may be better by any amount and worse by its tolerance. A stored figure that could not be measured (no
+/// recordings) is named and does not fail.
+Verdict compare(const Figures& measured, const nlohmann::json& limits) {
+  Verdict v;
+  for (const auto& [name, limit] : limits.at("figures").items()) {
+    const double stored = limit.at("value").get<double>(), tolerance = limit.at("tolerance").get<double>();
+    const auto found = measured.find(name);
+    nlohmann::json row{{"figure", name}, {"stored", stored}, {"tolerance", tolerance}};
+    if (found == measured.end()) {
+      row["verdict"] = "not_measured";
+    } else {
+      const bool worse = !(found->second <= stored + tolerance);
+      row["measured"] = found->second;
+      row["verdict"] = worse ? "regressed" : "ok";
+      v.regressed |= worse;
+    }
+    v.rows.push_back(row);
+  }
+  return v;
+}
+
+}  // namespace
+}  // namespace stillpoint::bench
+
+int main(int argc, char** argv) {
+  using namespace stillpoint::bench;
+  std::string limits_file = STILLPOINT_SOURCE_DIR "/bench/drift_limits.json";
+  std::string folder = STILLPOINT_SOURCE_DIR "/../shared/recordings/broad";
+  bool json = false;
+  for (int i = 1; i < argc; ++i) {
+    if (std::strcmp(argv[i], "--json") == 0) {
+      json = true;
+    } else if (std::strcmp(argv[i], "--limits") == 0 && i + 1 < argc) {
+      limits_file = argv[++i];
+    } else if (std::strcmp(argv[i], "--recordings") == 0 && i + 1 < argc) {
+      folder = argv[++i];
+    } else {
+      fmt::print(stderr, "usage: drift [--limits FILE] [--recordings FOLDER] [--json]\n");
+      return 64;
+    }
+  }
+  std::ifstream in(limits_file);
+  const nlohmann::json limits = nlohmann::json::parse(in, nullptr, false);
+  if (limits.is_discarded() || !limits.contains("figures")) {
+    fmt::print(stderr, "{}: no stored figures here (JSON with \"figures\")\n", limits_file);
+    return 66;
+  }
+  const Verdict verdict = compare(measure(folder), limits);
+  if (json) {
+    fmt::print(
+        "{}\n",
+        nlohmann::json{{"schema", "stillpoint.drift/1"}, {"regressed", verdict.regressed}, {"figures", verdict.rows}}
+            .dump(1));
+  } else {
+    for (const auto& row : verdict.rows) {
+      fmt::print("{:<46} {:>9} stored {:8.3f} + {:6.3f}  {}\n", row["figure"].get<std::string>(),
+                 row.contains("measured") ? fmt::format("{:.3f}", row["measured"].get<double>()) : "-",
+                 row["stored"].get<double>(), row["tolerance"].get<double>(), row["verdict"].get<std::string>());
+    }
+  }
+  return verdict.regressed ? 1 : 0;
+}
