@@ -117,9 +117,12 @@ Result<std::vector<Receipt>> run_fastdds(const CellSetup& setup, const io::DdsPa
   msg::Attitude own;
   send_paced(setup, [&](std::uint64_t sequence, std::int64_t due_ns) {
     void* message = &own;
-    if (loan && (*writer)->loan_sample(message) != Code::RETCODE_OK) return;
-    static_cast<msg::Attitude*>(message)->sample_number(sequence);
-    static_cast<msg::Attitude*>(message)->t_arrival_ns(due_ns);
+    own.sample_number(sequence);
+    own.t_arrival_ns(due_ns);
+    if (loan) {
+      if ((*writer)->loan_sample(message) != Code::RETCODE_OK) return;
+      std::memcpy(message, static_cast<const void*>(&own), sizeof own);
+    }
     (*writer)->write(message);
   });
   return collect(receiver);
