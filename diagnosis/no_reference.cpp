@@ -50,6 +50,7 @@ bool plausible(const Candidate& c) {
   const double first = c.fit.value[0];
   if (id == "gyr_delay" || id == "mag_delay") return first > 0 && first < kLargestTau_s;
   if (id == "gyr_earth") return first > 0.2 && first < 5.0;
+  if (id == "mag_soft_step") return c.fit.value.cwiseAbs().maxCoeff() < 0.5;  // iron does not turn the field about
   return true;
 }
 
@@ -415,6 +416,7 @@ Diagnosis diagnose_without_reference(const io::Recording& recording, const sim::
     Candidate best = ranking.front();
     if (best.score < kAbstain_nats || best.fit.gain_nats < kLeastOfFirst * first_gain) break;
     relinearise(model, best);
+    if (!plausible(best)) break;
     Finding f = describe(model, best, ranking);
     if (!(f.held_out.gain_nats > 1.0)) break;
     if (f.held_out.removable_share_removed < kLeastShare && model.dispersion() > kDispersion) {
