@@ -8,11 +8,9 @@
 #include "diagnosis/findings.h"
 #include "diagnosis/forensics.h"
 #include "diagnosis/given_effects.h"
+#include "diagnosis/no_reference.h"
 #include "diagnosis/sanity.h"
 #include "diagnosis/summary.h"
-#if __has_include("diagnosis/no_reference.h")
-#include "diagnosis/no_reference.h"
-#endif
 
 namespace stillpoint::diag {
 namespace {
@@ -52,14 +50,13 @@ void compare_noise(const Signals& s, Answer& answer) {
   }
 }
 
-/// What the forensics found mutes what follows: a quantised sensor at rest shows its lattice, not its physics.
-std::array<Mask, kSensors> masks(const Forensics& forensics, const io::Recording& recording) {
+std::array<Mask, kSensors> masks(const Forensics& forensics) {
   std::array<Mask, kSensors> out;
   for (std::size_t k = 0; k < kSensors; ++k) out[k] = forensics.sensor[k].muted;
-  (void)recording;
   return out;
 }
 
+/// What the forensics found mutes what follows: a quantised sensor at rest shows its lattice, not its physics.
 void mute_lattice_at_rest(Signals& s, const Forensics& forensics) {
   for (std::size_t k = 0; k < kSensors; ++k) {
     if (!s.present[k] || !forensics.sensor[k].quantised) continue;
@@ -93,15 +90,11 @@ Answer diagnose(const io::Recording& recording, const sim::SimulationConfig& giv
   if (sanity.unusable[kGyr]) simulation.gyroscope.reset();
   if (sanity.unusable[kMag]) simulation.magnetometer.reset();
   if (recording.ref_q_world_body.empty() || sanity.reference_unusable) {
-#if __has_include("diagnosis/no_reference.h")
     answer.diagnosis = diagnose_without_reference(recording, simulation);
     answer.diagnosis.notices.insert(answer.diagnosis.notices.begin(), sanity.notices.begin(), sanity.notices.end());
     return answer;
-#else
-    return insufficient("the recording has no usable reference orientation", std::move(answer));
-#endif
   }
-  Result<Signals> made = make_signals(recording, simulation, masks(forensics, recording));
+  Result<Signals> made = make_signals(recording, simulation, masks(forensics));
   if (!made) return insufficient(made.error().message, std::move(answer));
   Signals& s = *made;
   if (s.duration_s() < kShortest_s)

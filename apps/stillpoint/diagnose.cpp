@@ -6,6 +6,7 @@
 
 #include "apps/stillpoint/commands.h"
 #include "diagnosis/diagnose.h"
+#include "diagnosis/report.h"
 #include "diagnosis/summary.h"
 #include "io/recording.h"
 #include "io/simulation_yaml.h"
@@ -14,7 +15,7 @@ namespace stillpoint::app {
 namespace {
 
 struct Options {
-  std::string simulation, recording, json, improved, validate;
+  std::string simulation, recording, json, report, improved, validate;
   bool fail_on_mismatch = false;
 };
 
@@ -54,6 +55,12 @@ int run_diagnose(const Options& o) {
     std::fprintf(quiet ? stderr : stdout, "\nVALIDATE %s: before: %s  after: %s\n", o.validate.c_str(),
                  before.diagnosis.summary.c_str(), after.diagnosis.summary.c_str());
   }
+  if (!o.report.empty()) {
+    diag::ReportContext context{o.recording, o.simulation, o.validate, {}};
+    for (const auto& e : answer.effects) context.blocks_to_paste += "  - " + io::format_effect(e) + "\n";
+    if (!context.blocks_to_paste.empty()) context.blocks_to_paste = "effects:\n" + context.blocks_to_paste;
+    if (const auto done = diag::write_report(answer.diagnosis, context, o.report); !done) return report(done.error());
+  }
   if (!o.json.empty())
     if (const auto done = write_text(o.json, diag::to_json(answer.diagnosis)); !done) return report(done.error());
   return o.fail_on_mismatch && !answer.diagnosis.findings.empty() ? static_cast<int>(ErrorKind::kThreshold) : 0;
@@ -67,6 +74,7 @@ void add_diagnose(CLI::App& app, Run& run) {
   command->add_option("--simulation", o.simulation, "the baseline (YAML)")->required();
   command->add_option("--recording", o.recording, "the recording to explain (CSV)")->required();
   command->add_option("--json", o.json, "write the answer as JSON; - for standard output and nothing else there");
+  command->add_option("--report", o.report, "write the report (HTML, one file)");
   command->add_option("--improved", o.improved, "write the simulation with the found physics in it (YAML)");
   command->add_option("--validate", o.validate, "judge the improved simulation on another recording (CSV)");
   command->add_flag("--fail-on-mismatch", o.fail_on_mismatch, "exit with 1 when something is found");
