@@ -171,7 +171,9 @@ int calibrate_points(const std::string& path, const std::string& method_name, co
     count = table->points.size();
   }
   if (json) {
-    if (const int failed = write_json(to_json(method_name, fit, count).dump(2) + "\n", *json)) return failed;
+    if (const int failed = write_json(
+            to_json(method_name, fit, count).dump(2, ' ', false, Json::error_handler_t::replace) + "\n", *json))
+      return failed;
   } else {
     print(method_name, fit);
   }

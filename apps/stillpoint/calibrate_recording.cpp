@@ -248,7 +248,7 @@ int calibrate_recording(const std::string& path, const JsonTarget& json, const s
   const Outcome run = calibrate(*recording, calibrator, gravity_mps2);
   if (!state.empty())
     if (const int failed = write_state(state, calibrator)) return failed;
-  if (json) return write_json(to_json(path, run).dump(2) + "\n", *json);
+  if (json) return write_json(to_json(path, run).dump(2, ' ', false, Json::error_handler_t::replace) + "\n", *json);
   print(path, run);
   return 0;
 }
