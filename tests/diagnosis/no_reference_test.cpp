@@ -56,7 +56,8 @@ TEST(NoReference, NamesGravitySensitivityWithItsMatrix) {
   const auto d = diagnosed("gyr_gsens", {{"G_radps_per_mps2", G}}, 3);
   ASSERT_FALSE(d.findings.empty()) << d.summary;
   ASSERT_EQ(d.findings[0].effect, "gyr_gsens");
-  for (std::size_t i = 0; i < 9; ++i) EXPECT_NEAR(d.findings[0].parameters[i].value, G[i], 3e-5) << i;
+  // A dozen rests stand behind nine numbers and three offsets: a quarter of the largest number.
+  for (std::size_t i = 0; i < 9; ++i) EXPECT_NEAR(d.findings[0].parameters[i].value, G[i], 5e-5) << i;
 }
 
 TEST(NoReference, NamesTheDelayOfTheMagnetometer) {
