@@ -82,6 +82,22 @@ void read_parameter(const YAML::Node& node, const sim::EffectParameter& p, Effec
   out.parameters[p.key] = std::move(values);
 }
 
+void read_extent(const YAML::Node& entry, const sim::EffectInfo& info, EffectConfig& out, YamlFaults& faults) {
+  if (const YAML::Node node = entry["axes"]; node && !info.takes_axes())
+    faults.add(node,
+               fmt::format("'axes' has no meaning for {}, which moves whole sensors; the effects acc_*, gyr_* and "
+                           "mag_* (but for *_delay) and sys_tracker take it",
+                           out.id));
+  else if (node)
+    read_axes(node, out.axes, faults);
+  if (const YAML::Node node = entry["window_s"]; node && !info.takes_window())
+    faults.add(node, fmt::format("'window_s' has no meaning for {}, which holds throughout; the effects acc_*, gyr_*, "
+                                 "mag_* and sys_* take it",
+                                 out.id));
+  else if (node)
+    read_window(node, out.window_s, faults);
+}
+
 /// What the simulator cannot give a meaning to.
 void check_effect(const YAML::Node& entry, const EffectConfig& e, YamlFaults& faults) {
   const auto positive_only = {"tau_s", "f_hz",   "zeta",    "average_s", "L_mps2",  "L_radps",
@@ -249,8 +265,7 @@ void read_effect(const YAML::Node& entry, EffectConfig& out, YamlFaults& faults)
                                                    : "one number",
                                     p.unit));
   }
-  if (const YAML::Node node = entry["axes"]) read_axes(node, out.axes, faults);
-  if (const YAML::Node node = entry["window_s"]) read_window(node, out.window_s, faults);
+  read_extent(entry, *info, out, faults);
   check_effect(entry, out, faults);
 }
 

@@ -9,7 +9,8 @@
 namespace stillpoint::io {
 
 /// Every fault is named with file:line:column: unknown keys and effect IDs (with the nearest known one), missing or
-/// surplus parameters, a wrong count of numbers, values out of range. Exit codes 66 (no file), 78.
+/// surplus parameters, a wrong count of numbers, values out of range, axes or a window where the effect knows none.
+/// Exit codes 66 (no file), 78.
 [[nodiscard]] Result<sim::SimulationConfig> read_simulation(const std::string& path);
 [[nodiscard]] Result<sim::SimulationConfig> parse_simulation(const std::string& text, const std::string& name);
 

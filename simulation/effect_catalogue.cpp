@@ -649,6 +649,11 @@ const EffectParameter* EffectInfo::parameter(std::string_view key) const {
   return it == parameters.end() ? nullptr : &*it;
 }
 
+bool EffectInfo::takes_axes() const {
+  const bool of_one_triad = sensor == "acc" || sensor == "gyr" || sensor == "mag";
+  return (of_one_triad && !id.ends_with("_delay")) || id == "sys_tracker";
+}
+
 const std::vector<EffectInfo>& effect_catalogue() {
   static const Table table = [] {
     Table all;

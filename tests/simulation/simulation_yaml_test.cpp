@@ -12,7 +12,9 @@
 namespace stillpoint::sim {
 namespace {
 
+using ::testing::AllOf;
 using ::testing::HasSubstr;
+using ::testing::Not;
 
 const std::string kSensor = "accelerometer: {noise_mps2: 0.02}\n";
 
@@ -40,6 +42,19 @@ TEST(SimulationYaml, NamesEveryMistakeWithLineAndColumn) {
   EXPECT_THAT(faults_of(kSensor + "motion: {kind: hnd}\n"), HasSubstr("did you mean 'hand'?"));
   EXPECT_THAT(faults_of(kSensor + "environment: {temperature: {kind: warm}}\n"), HasSubstr("'warm' is not a kind"));
   EXPECT_THAT(faults_of(kSensor + "gravity_mps: 9.8\n"), HasSubstr("did you mean 'gravity_mps2'?"));
+}
+
+TEST(SimulationYaml, AxesAndWindowsAreRefusedWhereTheyMeanNothing) {
+  EXPECT_THAT(faults_of(kSensor + "effects:\n  - {effect: mag_delay, tau_s: 0.01, axes: [x]}\n"),
+              HasSubstr("s.yaml:3:44: 'axes' has no meaning for mag_delay, which moves whole sensors; the effects "
+                        "acc_*, gyr_* and mag_* (but for *_delay) and sys_tracker take it"));
+  EXPECT_THAT(faults_of(kSensor + "effects:\n  - {effect: sys_skew, eps_ppm: 50, axes: [x], window_s: [1, 2]}\n"),
+              AllOf(HasSubstr("s.yaml:3:43: 'axes' has no meaning for sys_skew"), Not(HasSubstr("window_s"))));
+  EXPECT_THAT(faults_of(kSensor + "effects:\n  - {effect: ref_frame, phi_rad: 0.1, window_s: [1, 2]}\n"),
+              HasSubstr("s.yaml:3:49: 'window_s' has no meaning for ref_frame, which holds throughout; the effects "
+                        "acc_*, gyr_*, mag_* and sys_* take it"));
+  EXPECT_EQ(faults_of(kSensor + "effects:\n  - {effect: sys_tracker, tau_s: 5, axes: [y], window_s: [1, 2]}\n"), "");
+  EXPECT_EQ(faults_of(kSensor + "effects:\n  - {effect: gyr_delay, tau_s: 0.01, window_s: [1, 2]}\n"), "");
 }
 
 TEST(SimulationYaml, ReportsAllMistakesAtOnce) {
