@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "diagnosis/curves.h"
 #include "diagnosis/given_effects.h"
 #include "simulation/effect_catalogue.h"
 
@@ -96,36 +97,6 @@ std::string deciding_recording(const Finding& f) {
   return info == nullptr ? "vary each of the drivers alone" : fmt::format("to be sure: {}", info->told_apart_by);
 }
 
-/// The strongest channel before and after, thinned for plotting.
-void figures_of(const Signals& s, const SensorSearch& search, std::size_t index, const Finished& finished,
-                Finding& out) {
-  constexpr Eigen::Index kMostPoints = 2000;
-  const Found& f = search.found[index];
-  const Eigen::Index first = first_column(search, index);
-  Series3 part = Series3::Zero(s.n, 3);
-  if (f.offset.size()) part += f.offset;
-  for (std::size_t j = 0; j < f.columns.size(); ++j)
-    for (int axis = 0; axis < 3; ++axis)
-      if (const auto shown = shown_in(f.columns[j], axis))
-        part.col(axis) += finished.fit.theta[first + static_cast<Eigen::Index>(j)] * *shown;
-  Eigen::Index strongest = 0;
-  part.colwise().squaredNorm().maxCoeff(&strongest);
-  const Eigen::Index step = std::max<Eigen::Index>(1, s.n / kMostPoints);
-  for (Eigen::Index i = 0; i < s.n; i += step) {
-    out.figures.t_s.push_back(s.t_s[i]);
-    out.figures.residual_after.push_back(finished.fit.leftover(i, strongest));
-    out.figures.residual_before.push_back(finished.fit.leftover(i, strongest) + part(i, strongest));
-    out.figures.held_out.push_back(static_cast<int>(s.t_s[i] / 4.0) % 2 == 0);
-    out.figures.driver.push_back(part(i, strongest));
-    out.figures.residual_at_driver.push_back(finished.fit.leftover(i, strongest) + part(i, strongest));
-    out.figures.law_at_driver.push_back(part(i, strongest));
-  }
-  out.figures.driver_label = "what the law predicts: " + f.driver;
-  out.figures.channel =
-      fmt::format("{}_{}", kSensorName[search.sensor], kAxisName[static_cast<std::size_t>(strongest)]);
-  out.figures.unit = kSensorUnit[search.sensor];
-}
-
 Finding finding_from(const Signals& s, const SensorSearch& search, std::size_t index, const Finished& finished) {
   const Found& f = search.found[index];
   Finding out;
@@ -140,7 +111,7 @@ Finding finding_from(const Signals& s, const SensorSearch& search, std::size_t i
                                   static_cast<double>(search.laws.size() + search.unknown.size()) *
                                   (f.window.local ? 500.0 : 1.0));
   rivals_of(search, f, out);
-  figures_of(s, search, index, finished, out);
+  out.figures = curves_of(s, search, index, finished);
   out.decided_by = deciding_recording(out);
   out.confidence = 1.0 / (1.0 + std::exp(-std::min(0.5 * f.net_nats, 30.0)));
   return out;

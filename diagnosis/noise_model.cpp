@@ -1,6 +1,8 @@
 #include "diagnosis/noise_model.h"
 
 #include <cmath>
+#include <complex>
+#include <numbers>
 
 namespace stillpoint::diag {
 namespace {
@@ -77,9 +79,10 @@ NoiseModel::NoiseModel(const Layout& layout, const Series3& leftover) : inverse_
       count[static_cast<std::size_t>(g.regime)] += layout.counts.segment(g.begin, g.end - g.begin).sum();
     }
     innovation_sd_[static_cast<std::size_t>(axis)] = std::sqrt((sum[0] + sum[1]) / std::max(count[0] + count[1], 1.0));
+    for (std::size_t c = 0; c < 2; ++c)
+      variance_[c][static_cast<std::size_t>(axis)] = std::max(sum[c] / std::max(count[c], 1.0), 1e-24);
     for (const Segment& g : layout.segments) {
-      const auto c = static_cast<std::size_t>(g.regime);
-      const double typical = std::max(sum[c] / std::max(count[c], 1.0), 1e-24);
+      const double typical = variance_[static_cast<std::size_t>(g.regime)][static_cast<std::size_t>(axis)];
       for (Eigen::Index b = g.begin; b < g.end; b += layout.block) {
         const Eigen::Index length = std::min(layout.block, g.end - b);
         const double here = layout.counts.segment(b, length).sum();
@@ -108,6 +111,24 @@ Series NoiseModel::filter(const Layout& layout, const Series& x, int axis) const
 
 Series NoiseModel::whiten(const Layout& layout, const Series& x, int axis) const {
   return filter(layout, x, axis).array() * inverse_scale_.col(axis).array() * layout.counts;
+}
+
+Series NoiseModel::density(const Layout& layout, const Series& frequency_hz, double dt_s, int axis) const {
+  std::array<double, 2> share{};
+  for (const Segment& g : layout.segments)
+    share[static_cast<std::size_t>(g.regime)] += static_cast<double>(g.end - g.begin) / static_cast<double>(layout.n);
+  Series out = Series::Zero(frequency_hz.size());
+  for (std::size_t regime = 0; regime < share.size(); ++regime) {
+    const Eigen::VectorXd& a = coefficients_[regime][static_cast<std::size_t>(axis)];
+    const double level = 2.0 * dt_s * share[regime] * variance_[regime][static_cast<std::size_t>(axis)];
+    for (Eigen::Index i = 0; i < out.size(); ++i) {
+      std::complex<double> filter = 1.0;
+      for (Eigen::Index j = 0; j < a.size(); ++j)
+        filter -= std::polar(1.0, -2.0 * std::numbers::pi * frequency_hz[i] * dt_s * static_cast<double>(j + 1)) * a[j];
+      out[i] += level / std::norm(filter);
+    }
+  }
+  return out;
 }
 
 }  // namespace stillpoint::diag

@@ -38,6 +38,8 @@ class NoiseModel {
 
   /// Applies the filter and the scale of one axis; samples that do not count become 0.
   [[nodiscard]] Series whiten(const Layout& layout, const Series& x, int axis) const;
+  /// One-sided power density at the given frequencies, unit^2/Hz; the regimes weigh as long as they last.
+  [[nodiscard]] Series density(const Layout& layout, const Series& frequency_hz, double dt_s, int axis) const;
   /// Sum of -log(scale) over the samples that count: the part of the log-likelihood that is not in the whitened
   /// residual.
   [[nodiscard]] double log_scale_sum() const { return log_scale_sum_; }
@@ -47,6 +49,7 @@ class NoiseModel {
  private:
   [[nodiscard]] Series filter(const Layout& layout, const Series& x, int axis) const;
   std::array<std::array<Eigen::VectorXd, 3>, 2> coefficients_;  ///< [regime][axis]
+  std::array<std::array<double, 3>, 2> variance_{};             ///< of the innovations, [regime][axis]
   Series3 inverse_scale_;
   double log_scale_sum_ = 0.0;
   std::array<double, 3> innovation_sd_{};

@@ -8,6 +8,8 @@
   const line = (label, name, extra) => Object.assign({ label, stroke: () => color(name), width: 1.2, points: { show: false } }, extra || {});
   const dots = (label, name) => line(label, name, { paths: () => null, points: { show: true, size: 3, stroke: () => color(name), fill: () => color(name) } });
 
+  const powers = (u, values) => values.map((v) => (v === null ? '' : v.toExponential(0)));
+
   function add(id, data, series, axes, more) {
     const box = document.getElementById(id);
     if (!box || data[0].length === 0) return;
@@ -35,7 +37,7 @@
         Object.assign({ scales: { x: { time: false } } }, shadeHeldOut(f.t, f.held)));
     add('spectrum-' + k, [f.freq, f.psd_before, f.psd_after, f.psd_noise],
         [line('before', '--before'), line('after', '--after'), line('noise', '--noise', { dash: [4, 3] })],
-        [axis('frequency, Hz'), Object.assign(axis('power, (' + f.unit + ')²/Hz'), { size: 62 })],
+        [axis('frequency, Hz'), Object.assign(axis('power, (' + f.unit + ')²/Hz'), { size: 62, values: powers })],
         { scales: { x: { time: false, distr: f.freq[0] > 0 ? 3 : 1 }, y: { distr: 3 } } });
     const order = f.driver.map((_, i) => i).sort((a, b) => f.driver[a] - f.driver[b]);
     add('driver-' + k, [order.map((i) => f.driver[i]), order.map((i) => f.at_driver[i]), order.map((i) => f.law[i])],

@@ -105,6 +105,32 @@ TEST(Engine, GivesACommonDelayToTheSystemAndALonelyOneToItsSensor) {
               testing::ElementsAre("gyr_delay"));
 }
 
+TEST(Engine, DrawsTheTemperatureLawOverTheTemperatureAndTheSpectrumDownToTheNoise) {
+  auto config = baseline("exact");
+  config.environment.temperature = {.kind = "warm_up", .rise_K = 8.0, .tau_s = 60.0};
+  const Answer answer = diagnose(record(config, "gyr_temp_lin", {{"k_radps_per_K", {1e-4, 1e-3, -2e-4}}}, 11), config);
+  ASSERT_THAT(names(answer), testing::ElementsAre("gyr_temp_lin"));
+  const FindingFigures& f = answer.diagnosis.findings[0].figures;
+  EXPECT_EQ(f.channel, "gyr_y");
+  EXPECT_EQ(f.driver_label, "temperature, degC");
+  ASSERT_GT(f.driver.size(), 1000u);
+  EXPECT_NEAR(f.driver.back() - f.driver.front(), 8.0 * (1.0 - std::exp(-100.0 / 60.0)), 0.3);
+  EXPECT_NEAR((f.law_at_driver.back() - f.law_at_driver.front()) / (f.driver.back() - f.driver.front()), 1e-3, 5e-5);
+  const double white = 2.0 * 1e-3 * 1e-3 / 50.0;  // sd^2 over half of the rate
+  ASSERT_EQ(f.psd_after.size(), f.frequency_hz.size());
+  double mean_after = 0.0, mean_noise = 0.0;
+  for (std::size_t i = 0; i < f.frequency_hz.size(); ++i) {
+    mean_after += f.psd_after[i] / static_cast<double>(f.frequency_hz.size());
+    mean_noise += f.psd_noise[i] / static_cast<double>(f.frequency_hz.size());
+  }
+  EXPECT_NEAR(mean_after, white, 0.1 * white);
+  EXPECT_NEAR(mean_noise, white, 0.1 * white);
+  EXPECT_GT(f.psd_before.front(), 20.0 * f.psd_after.front());
+  EXPECT_DOUBLE_EQ(f.autocorrelation_after[0], 1.0);
+  EXPECT_GT(f.autocorrelation_before[1], 10.0 * f.autocorrelation_band);
+  EXPECT_LT(std::abs(f.autocorrelation_after[1]), 2.0 * f.autocorrelation_band);
+}
+
 TEST(Engine, AbstainsOnTooShortARecordingAndSaysSo) {
   auto config = baseline("exact");
   config.motion->duration_s = 8;
