@@ -75,7 +75,7 @@ constexpr Compensated kVectors[] = {{"acc_temp_lin", "k_mps2_per_K", &C::acc_per
                                     {"mag_temp_lin", "k_uT_per_K", &C::mag_per_K}};
 constexpr const char* kOthers[] = {"gyr_gsens", "mag_delay"};
 
-bool can_be_compensated(const std::string& id) {
+bool is_causal(const std::string& id) {
   return std::any_of(std::begin(kVectors), std::end(kVectors), [&](const auto& c) { return id == c.id; }) ||
          std::any_of(std::begin(kOthers), std::end(kOthers), [&](const auto& c) { return id == c; });
 }
@@ -200,7 +200,7 @@ void read_value(const YAML::Node& node, std::vector<sim::EffectConfig>& out, con
     const std::size_t before = faults.messages().size();
     read_effect(entry, effect, faults);
     if (faults.messages().size() != before) continue;
-    if (!can_be_compensated(effect.id))
+    if (!is_causal(effect.id))
       faults.add(entry, fmt::format("'{}' cannot be taken out of the readings in real time; what can: {}", effect.id,
                                     list_of_compensated()));
     else if (effect.window_s)
@@ -209,6 +209,8 @@ void read_value(const YAML::Node& node, std::vector<sim::EffectConfig>& out, con
       out.push_back(effect);
   }
 }
+
+bool can_be_compensated(const sim::EffectConfig& effect) { return is_causal(effect.id) && !effect.window_s; }
 
 Result<DaemonConfig> parse_config(const std::string& text, const std::string& name) {
   const auto root = parse_yaml(text, name);

@@ -150,6 +150,10 @@ struct DaemonConfig {
 };
 
 /// Reads and checks a configuration. 66: no such file; 78: every fault as file:line:column.
+/// Whether `compensate:` takes this entry: an effect that is a causal function of the readings, always in force
+/// (docs/decisions/072-compensation.md).
+[[nodiscard]] bool can_be_compensated(const sim::EffectConfig& effect);
+
 [[nodiscard]] Result<DaemonConfig> read_config(const std::string& path);
 [[nodiscard]] Result<DaemonConfig> parse_config(const std::string& text, const std::string& name);
 

@@ -8,6 +8,7 @@
 #include "diagnosis/diagnose.h"
 #include "diagnosis/report.h"
 #include "diagnosis/summary.h"
+#include "io/config.h"
 #include "io/recording.h"
 #include "io/simulation_yaml.h"
 
@@ -31,6 +32,20 @@ Result<void> write_text(const std::string& path, const std::string& text) {
   return {};
 }
 
+/// The found physics as blocks to paste: for the simulation, and for the daemon what it can take out in real time.
+std::string blocks_to_paste(const std::vector<sim::EffectConfig>& effects) {
+  std::string simulation, daemon;
+  for (const auto& e : effects) {
+    const std::string line = "  - " + io::format_effect(e) + "\n";
+    simulation += line;
+    if (io::can_be_compensated(e)) daemon += line;
+  }
+  std::string out;
+  if (!simulation.empty()) out += "# into the simulation\neffects:\n" + simulation;
+  if (!daemon.empty()) out += "# into the daemon's configuration\ncompensate:\n" + daemon;
+  return out;
+}
+
 int run_diagnose(const Options& o) {
   const auto simulation = io::read_simulation(o.simulation);
   if (!simulation) return report(simulation.error());
@@ -42,10 +57,8 @@ int run_diagnose(const Options& o) {
   if (!quiet) std::fputs(diag::to_text(answer.diagnosis).c_str(), stdout);
   sim::SimulationConfig improved = *simulation;
   improved.effects.insert(improved.effects.end(), answer.effects.begin(), answer.effects.end());
-  if (!quiet && !answer.effects.empty()) {
-    std::puts("\nBlock for the simulation:\neffects:");
-    for (const auto& e : answer.effects) std::printf("  - %s\n", io::format_effect(e).c_str());
-  }
+  const std::string blocks = blocks_to_paste(answer.effects);
+  if (!quiet && !blocks.empty()) std::printf("\nNEXT     put the physics where it is missing:\n%s", blocks.c_str());
   if (!o.improved.empty())
     if (const auto done = io::write_simulation(improved, o.improved); !done) return report(done.error());
   if (!o.validate.empty()) {
@@ -56,9 +69,7 @@ int run_diagnose(const Options& o) {
                  before.diagnosis.summary.c_str(), after.diagnosis.summary.c_str());
   }
   if (!o.report.empty()) {
-    diag::ReportContext context{o.recording, o.simulation, o.validate, {}};
-    for (const auto& e : answer.effects) context.blocks_to_paste += "  - " + io::format_effect(e) + "\n";
-    if (!context.blocks_to_paste.empty()) context.blocks_to_paste = "effects:\n" + context.blocks_to_paste;
+    const diag::ReportContext context{o.recording, o.simulation, o.validate, blocks};
     if (const auto done = diag::write_report(answer.diagnosis, context, o.report); !done) return report(done.error());
   }
   if (!o.json.empty())

@@ -1,6 +1,9 @@
+#include <fmt/format.h>
+
 #include <filesystem>
 
 #include "io/config.h"
+#include "io/simulation_yaml.h"
 #include "tests/apps/apps_testing.h"
 
 namespace stillpoint::io {
@@ -62,6 +65,20 @@ TEST(DaemonConfig, TakesOnlyEffectsThatCanBeTakenOutInRealTime) {
       parse_config("compensate: [{effect: gyr_gsens, G_radps_per_mps2: [1e-4,0,0, 0,2e-4,0, 0,0,3e-4]}]", "f.yaml");
   ASSERT_TRUE(config.has_value()) << config.error().message;
   EXPECT_EQ(stages_params(*config).compensation.gyr_gsens.diagonal(), Vec3(1e-4, 2e-4, 3e-4));
+}
+
+TEST(DaemonConfig, SaysBeforehandWhichEffectsItWillTake) {
+  for (const char* entry : {"{effect: acc_lpf, tau_s: 0.01}", "{effect: gyr_asym, k: 1e-3}",
+                            "{effect: mag_delay, tau_s: 0.01}", "{effect: gyr_asym, k: 1e-3, window_s: [1, 2]}"}) {
+    const auto simulation = parse_simulation(fmt::format("{{gyroscope: {{}}, accelerometer: "
+                                                         "{{}}, magnetometer: {{}}, effects: [{}]}}",
+                                                         entry),
+                                             "s.yaml");
+    ASSERT_TRUE(simulation.has_value()) << simulation.error().message;
+    EXPECT_EQ(can_be_compensated(simulation->effects.at(0)),
+              faults(fmt::format("compensate: [{}]", entry)) == "no fault")
+        << entry;
+  }
 }
 
 TEST(DaemonConfig, RefusesASensorIdThatWouldLeaveTheStateFolder) {
