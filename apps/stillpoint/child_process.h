@@ -50,6 +50,12 @@ class ChildProcess {
     return code_;
   }
 
+  /// Its exit code, when it has ended.
+  int wait() {
+    while (!ended()) std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    return *code_;
+  }
+
   /// SIGTERM, and SIGKILL when it does not end within two seconds.
   void stop() {
     if (pid_ <= 0) return;

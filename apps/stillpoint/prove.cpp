@@ -1,10 +1,6 @@
 /// `stillpoint prove`: draws sealed cases, has them solved by a process that never sees the truth, opens and scores
 /// them.
-#include <fcntl.h>
 #include <fmt/format.h>
-#include <spawn.h>
-#include <sys/wait.h>
-#include <unistd.h>
 
 #include <atomic>
 #include <filesystem>
@@ -13,13 +9,12 @@
 #include <sstream>
 #include <thread>
 
+#include "apps/stillpoint/child_process.h"
 #include "apps/stillpoint/commands.h"
 #include "diagnosis/prove.h"
 #include "diagnosis/prove_sha256.h"
 #include "diagnosis/report_svg.h"
 #include "io/simulation_yaml.h"
-
-extern char** environ;
 
 namespace stillpoint::app {
 namespace {
@@ -47,24 +42,14 @@ std::string read_file(const fs::path& path) {
   return text.str();
 }
 
-/// Runs `diagnose` of this very program as a process of its own, with its words going nowhere.
+/// Runs `diagnose` of this very program as a process of its own, with its words going nowhere. A run that fails leaves
+/// no answer, which is scored as one.
 void solve(const Posed& posed) {
-  const std::string program = fs::read_symlink("/proc/self/exe").string();
-  std::vector<std::string> words{program,        "diagnose",
-                                 "--simulation", posed.simulation.string(),
-                                 "--recording",  posed.recording.string(),
-                                 "--json",       posed.answer.string()};
-  std::vector<char*> argv;
-  for (auto& w : words) argv.push_back(w.data());
-  argv.push_back(nullptr);
-  posix_spawn_file_actions_t actions;
-  posix_spawn_file_actions_init(&actions);
-  posix_spawn_file_actions_addopen(&actions, STDOUT_FILENO, "/dev/null", O_WRONLY, 0);
-  posix_spawn_file_actions_addopen(&actions, STDERR_FILENO, "/dev/null", O_WRONLY, 0);
-  pid_t child = 0;
-  const bool started = posix_spawn(&child, program.c_str(), &actions, nullptr, argv.data(), environ) == 0;
-  posix_spawn_file_actions_destroy(&actions);
-  if (started) waitpid(child, nullptr, 0);
+  auto child = ChildProcess::start(
+      {fs::read_symlink("/proc/self/exe").string(), "diagnose", "--simulation", posed.simulation.string(),
+       "--recording", posed.recording.string(), "--json", posed.answer.string()},
+      "/dev/null");
+  if (child) child->wait();
 }
 
 void solve_all(const std::vector<Posed>& posed) {
@@ -123,7 +108,7 @@ Result<std::vector<Posed>> collect(const Options& o, const fs::path& room) {
     const auto truth = diag::parse_truth(text, truth_file.string());
     if (!truth) return tl::unexpected(truth.error());
     all.push_back({.id = id,
-                   .hash = diag::sha256(id + "\n" + text),
+                   .hash = diag::sha256(fmt::format("{}\n{}", id, text)),
                    .truth = *truth,
                    .nonce = "",
                    .recording = file,
