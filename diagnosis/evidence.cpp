@@ -31,6 +31,34 @@ Series3 left_by(const Target& full, const Columns& columns, const NoiseModel& no
   return fit_with(part, columns, noise, {}).leftover;
 }
 
+/// A coefficient and the time constant of its law are known together only: each time constant's tangent joins the
+/// columns, so that what it could still move widens the intervals of the coefficients.
+void free_the_shapes(const SensorSearch& search, const Target& t, Finished& out) {
+  out.shape_sd = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(search.found.size()));
+  Columns columns = search.explained();
+  const auto p = static_cast<Eigen::Index>(columns.size());
+  std::vector<Eigen::Index> shaped;
+  for (std::size_t i = 0; i < search.found.size(); ++i) {
+    const Found& f = search.found[i];
+    if (!f.at_shape) continue;
+    const double h = 1e-3 * f.shape;
+    const Columns up = f.at_shape(f.shape + h), down = f.at_shape(f.shape - h);
+    Column tangent{-1, Eigen::MatrixXd::Zero(t.layout.n, 3)};
+    for (std::size_t j = 0; j < up.size(); ++j)
+      for (int axis = 0; axis < 3; ++axis)
+        if (const auto x = shown_in(up[j], axis))
+          tangent.x.col(axis) += out.fit.theta[first_column(search, i) + static_cast<Eigen::Index>(j)] *
+                                 (*x - *shown_in(down[j], axis)) / (2.0 * h);
+    columns.push_back(std::move(tangent));
+    shaped.push_back(static_cast<Eigen::Index>(i));
+  }
+  if (shaped.empty()) return;
+  const Fit wide = fit_with(t, columns, NoiseModel(t.layout, out.fit.leftover), out.fit.walk_q);
+  const Eigen::VectorXd sd = wide.covariance.diagonal().cwiseMax(0.0).cwiseSqrt();
+  out.sd = sd.head(p);
+  for (std::size_t k = 0; k < shaped.size(); ++k) out.shape_sd[shaped[k]] = sd[p + static_cast<Eigen::Index>(k)];
+}
+
 }  // namespace
 
 Eigen::Index first_column(const SensorSearch& search, std::size_t index) {
@@ -51,6 +79,7 @@ Finished finish(const SensorSearch& search) {
   if (out.walk_gain_nats > 0) out.fit = std::move(walking);
   out.values = out.fit.theta;
   out.sd = out.fit.covariance.diagonal().cwiseMax(0.0).cwiseSqrt();
+  free_the_shapes(search, t, out);
   for (std::size_t i = 0; i < search.found.size(); ++i)
     if (search.found[i].timing.size())
       out.values.segment(first_column(search, i), search.found[i].timing.size()) += search.found[i].timing;

@@ -9,7 +9,8 @@ namespace stillpoint::diag {
 struct Finished {
   Fit fit;
   Eigen::VectorXd values;       ///< per explained column: coefficient, or timing parameter
-  Eigen::VectorXd sd;           ///< of the values
+  Eigen::VectorXd sd;           ///< of the values, the time constants of their laws free
+  Eigen::VectorXd shape_sd;     ///< per effect: of its time constant; 0 where it has none
   double walk_gain_nats = 0.0;  ///< what a random walk adds
 };
 [[nodiscard]] Finished finish(const SensorSearch& search);

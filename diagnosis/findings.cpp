@@ -51,7 +51,9 @@ void parameters_of(const SensorSearch& search, std::size_t index, const Finished
     const double v = finished.values[at], half = 1.96 * finished.sd[at];
     out.parameters.push_back({f.names[j], v, {v - half, v + half}, f.units[j]});
   }
-  if (!f.shape_name.empty()) out.parameters.push_back({f.shape_name, f.shape, {f.shape, f.shape}, f.shape_unit});
+  if (f.shape_name.empty()) return;
+  const double half = 1.96 * finished.shape_sd[static_cast<Eigen::Index>(index)];
+  out.parameters.push_back({f.shape_name, f.shape, {f.shape - half, f.shape + half}, f.shape_unit});
 }
 
 void describe_time(const Signals& s, const Found& f, Finding& out) {

@@ -200,14 +200,18 @@ Finding describe(const SelfConsistency& model, const Candidate& c, const std::ve
   return f;
 }
 
-/// A large effect bends the attitude that was settled around it: it is taken out of the readings and fitted again
-/// around the attitude that follows, until nothing changes.
+/// A large effect bends the attitude that was settled around it, and the calibrations with it: it is taken out of the
+/// readings and fitted again around what follows, until nothing changes. Each time all of it is taken out anew, for the
+/// driver (the corrected force or rate) moves with the calibration.
 void relinearise(SelfConsistency& model, Candidate& c) {
+  constexpr int kMostPasses = 8;
+  std::vector<LawColumn> taken;
   c.applied = Eigen::VectorXd::Zero(c.fit.value.size());
-  for (int pass = 0; pass < 4; ++pass) {
-    const Eigen::VectorXd step = c.fit.value - c.applied;
-    model.apply(c.law->columns(c.grid_value), step);
-    c.applied += step;
+  for (int pass = 0; pass < kMostPasses; ++pass) {
+    std::vector<LawColumn> columns = c.law->columns(c.grid_value);
+    model.replace(taken, c.applied, columns, c.fit.value);
+    taken = std::move(columns);
+    c.applied = c.fit.value;
     c.fit = model.fit(c.law->columns(c.grid_value), c.applied);
     if ((c.fit.value - c.applied).cwiseAbs().cwiseQuotient(c.fit.sd).maxCoeff() < 0.1) break;
   }

@@ -47,13 +47,15 @@ class SelfConsistency {
 
   /// Settles the nuisances (three Gauss-Newton passes). Call once, before fit().
   void settle();
-  /// `applied` is what of the law apply() has already taken out; the fit is of the whole.
+  /// `applied` is what of the law replace() has already taken out; the fit is of the whole.
   [[nodiscard]] LawFit fit(const std::vector<LawColumn>& law, const Eigen::VectorXd& applied = {}) const;
   /// Fits the law on every other block of 10 s and scores it on the rest, both ways round; the nuisances, which the
   /// blocks do not share, are fitted wherever they are needed.
   [[nodiscard]] HeldOutGain held_out(const std::vector<LawColumn>& law, const Eigen::VectorXd& applied) const;
-  /// Takes a law out of the gyro's rates or the field's readings, and settles again around the attitude that follows.
-  void apply(const std::vector<LawColumn>& law, const Eigen::VectorXd& value);
+  /// Takes a law out of the gyro's rates or the field's readings in place of what was taken before (puts `before`
+  /// back), and settles again around the attitude that follows.
+  void replace(const std::vector<LawColumn>& before, const Eigen::VectorXd& before_value,
+               const std::vector<LawColumn>& law, const Eigen::VectorXd& value);
   /// Takes a fitted law into the nuisances, so that the next one is sought beside it.
   void accept(const std::vector<LawColumn>& law);
 
@@ -82,6 +84,7 @@ class SelfConsistency {
   struct Cell {
     std::size_t first, last;  ///< rows, inclusive
   };
+  void take_out(const std::vector<LawColumn>& law, const Eigen::VectorXd& value);
   [[nodiscard]] Quat first_attitude() const;
   void integrate();
   void predict();
@@ -103,7 +106,7 @@ class SelfConsistency {
   std::vector<std::size_t> mag_rows_;
   std::vector<std::size_t> knots_;  ///< rows at which the attitude may be put right: the first row of each rest
 
-  std::array<std::vector<Vec3>, 3> applied_;  ///< per Sensor, taken out by apply(); empty: nothing
+  std::array<std::vector<Vec3>, 3> applied_;  ///< per Sensor, taken out by replace(); empty: nothing
   std::vector<Vec3> rate_, force_, mag_, field_;
   std::vector<Mat3> R_;
   Vec3 field_world_;

@@ -56,12 +56,18 @@ LawFit SelfConsistency::fit(const std::vector<LawColumn>& law, const Eigen::Vect
   return fit;
 }
 
-void SelfConsistency::apply(const std::vector<LawColumn>& law, const Eigen::VectorXd& value) {
+void SelfConsistency::take_out(const std::vector<LawColumn>& law, const Eigen::VectorXd& value) {
   for (std::size_t j = 0; j < law.size(); ++j) {
     auto& taken = applied_[law[j].sensor];
     if (taken.empty()) taken.assign(recording_.size(), Vec3::Zero());
     for (std::size_t i = 0; i < taken.size(); ++i) taken[i] += value[static_cast<long>(j)] * law[j].unit[i];
   }
+}
+
+void SelfConsistency::replace(const std::vector<LawColumn>& before, const Eigen::VectorXd& before_value,
+                              const std::vector<LawColumn>& law, const Eigen::VectorXd& value) {
+  take_out(before, -before_value);
+  take_out(law, value);
   settle();
 }
 

@@ -98,6 +98,13 @@ void score_intervals(const Json& finding, const std::map<std::string, std::vecto
 
 }  // namespace
 
+void act_on_axes(std::map<std::string, std::vector<double>>& parameters, const std::vector<int>& axes) {
+  if (axes.empty()) return;
+  for (auto& [symbol, values] : parameters)
+    for (std::size_t i = 0; i < values.size() && values.size() == 3; ++i)
+      if (std::find(axes.begin(), axes.end(), static_cast<int>(i)) == axes.end()) values[i] = 0.0;
+}
+
 Json to_json(const CaseTruth& t) {
   Json j{
       {"kind", t.kind}, {"reference", t.reference}, {"noise", t.noise}, {"effects", t.effects}, {"d_prime", t.d_prime}};
@@ -122,6 +129,9 @@ Result<CaseTruth> parse_truth(const std::string& text, const std::string& name) 
         for (const auto& x : v.is_array() ? v : Json::array({v}))
           if (x.is_number()) out[symbol].push_back(x.get<double>());
   }
+  if (j.contains("axes") && j["axes"].is_object())
+    for (const auto& [id, axis] : j["axes"].items())
+      if (t.effects.contains(id) && axis.is_number_integer()) act_on_axes(t.effects[id], {axis.get<int>()});
   if (j.contains("window") && j["window"].is_array() && j["window"].size() == 2 && j["window"][0].is_number() &&
       j["window"][1].is_number())
     t.window_s = {j["window"][0].get<double>(), j["window"][1].get<double>()};

@@ -32,6 +32,9 @@ struct SealedCase {
   sim::SimulationConfig baseline;  ///< and against what
 };
 
+/// Where an effect acts on some axes only, the true number of each other axis is 0 (three numbers: one an axis).
+void act_on_axes(std::map<std::string, std::vector<double>>& parameters, const std::vector<int>& axes);
+
 [[nodiscard]] nlohmann::json to_json(const CaseTruth& truth);
 /// From a truth file of a folder of cases. Fails (65) on anything that is not such a file.
 [[nodiscard]] Result<CaseTruth> parse_truth(const std::string& text, const std::string& name);

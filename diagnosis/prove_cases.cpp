@@ -240,6 +240,7 @@ SealedCase draw_case(const std::string& salt, std::size_t index, bool quick) {
     for (const auto& p : sim::find_effect(config.effects[i].id)->parameters)
       if (const auto at = config.effects[i].parameters.find(p.key); at != config.effects[i].parameters.end())
         c.truth.effects[config.effects[i].id][p.symbol] = at->second;
+    act_on_axes(c.truth.effects[config.effects[i].id], config.effects[i].axes);
     const double d = strongest(strengths[i]);
     c.truth.d_prime = i == 0 ? d : std::min(c.truth.d_prime, d);
   }

@@ -109,7 +109,37 @@ Found found_from(const Law& law, const Candidate& c, Columns columns) {
   f.names = law.coefficients;
   f.units.assign(law.coefficients.size(), law.unit);
   f.columns = std::move(columns);
+  // A level of clipping has a shape too, but its likelihood has a kink at every sample.
+  if (law.shape_unit == "s")
+    f.at_shape = [columns_of = law.columns, window = c.window](double shape) {
+      return in_window(columns_of(shape), window);
+    };
   return f;
+}
+
+/// The time constant between the points of the grid (beyond it at its ends) that explains most: golden section in its
+/// logarithm, the noise given.
+void refine_shape(const Target& target, const Columns& explained, const std::vector<double>& grid, Found& f) {
+  constexpr int kSections = 12;
+  constexpr double kGolden = 0.6180339887498949, kBeyond = 3.0;
+  const NoiseModel noise(target.layout, fit_profile(target, joined(explained, f.columns)).leftover);
+  const auto gain = [&](double log_shape) {
+    return fit_with(target, joined(explained, f.at_shape(std::exp(log_shape))), noise, {}).log_likelihood;
+  };
+  const auto at = std::find(grid.begin(), grid.end(), f.shape);
+  double low = std::log(at == grid.begin() ? grid.front() / kBeyond : *std::prev(at));
+  double high = std::log(std::next(at) == grid.end() ? grid.back() * kBeyond : *std::next(at));
+  double a = high - kGolden * (high - low), b = low + kGolden * (high - low);
+  double gain_a = gain(a), gain_b = gain(b);
+  for (int i = 0; i < kSections; ++i) {
+    if (gain_a > gain_b) {
+      high = b, b = a, gain_b = gain_a, a = high - kGolden * (high - low), gain_a = gain(a);
+    } else {
+      low = a, a = b, gain_a = gain_b, b = low + kGolden * (high - low), gain_b = gain(b);
+    }
+  }
+  f.shape = std::exp(0.5 * (low + high));
+  f.columns = f.at_shape(f.shape);
 }
 
 /// Where a gap of the fitted length begins, to the sample: the evidence summed up has its turning point there.
@@ -265,6 +295,11 @@ std::optional<Found> next_effect(const Signals& s, SensorSearch& search) {
       best->net_nats < named->net_nats + std::max(6.0, 0.05 * named->gain_nats))
     best = named;
   if (best->net_nats < kLeastNet || best->gain_nats < kLeastShareOfFirst * search.first_gain) return std::nullopt;
+  if (best->at_shape) {
+    const auto law = std::find_if(search.laws.begin(), search.laws.end(),
+                                  [&](const Law& l) { return l.id == best->id && l.shape_name == best->shape_name; });
+    if (law != search.laws.end()) refine_shape(t, explained, law->shapes, *best);
+  }
   return *best;
 }
 

@@ -16,12 +16,13 @@ struct Found {
   Window window;
   double shape = 0.0;
   std::string shape_name, shape_unit, unit, equation, driver;
-  std::vector<std::string> names, units;  ///< of the coefficients
-  Columns columns;                        ///< linear part: the law's columns, or the tangent of a timing law
-  Series3 offset;                         ///< timing: the predicted residual at `timing`; empty: none
-  Eigen::VectorXd timing;                 ///< parameters of a timing law
-  double gain_nats = 0.0;                 ///< log-likelihood over the model without it
-  double net_nats = 0.0;                  ///< the gain minus what the freedom of the search is worth
+  std::function<Columns(double shape)> at_shape;  ///< columns of a law with a time constant; empty: it has none
+  std::vector<std::string> names, units;          ///< of the coefficients
+  Columns columns;                                ///< linear part: the law's columns, or the tangent of a timing law
+  Series3 offset;                                 ///< timing: the predicted residual at `timing`; empty: none
+  Eigen::VectorXd timing;                         ///< parameters of a timing law
+  double gain_nats = 0.0;                         ///< log-likelihood over the model without it
+  double net_nats = 0.0;                          ///< the gain minus what the freedom of the search is worth
 };
 
 struct Ranked {

@@ -56,8 +56,11 @@ TEST(NoReference, NamesGravitySensitivityWithItsMatrix) {
   const auto d = diagnosed("gyr_gsens", {{"G_radps_per_mps2", G}}, 3);
   ASSERT_FALSE(d.findings.empty()) << d.summary;
   ASSERT_EQ(d.findings[0].effect, "gyr_gsens");
-  // A dozen rests stand behind nine numbers and three offsets: a quarter of the largest number.
-  for (std::size_t i = 0; i < 9; ++i) EXPECT_NEAR(d.findings[0].parameters[i].value, G[i], 5e-5) << i;
+  for (std::size_t i = 0; i < 9; ++i) {
+    const auto& p = d.findings[0].parameters[i];
+    EXPECT_NEAR(p.value, G[i], 1.0 * (p.ci95[1] - p.ci95[0])) << i;  // twice the half width: 1 in 10 000 for each
+    EXPECT_LT(p.ci95[1] - p.ci95[0], 3e-5) << i;
+  }
 }
 
 TEST(NoReference, NamesTheDelayOfTheMagnetometer) {

@@ -89,6 +89,14 @@ TEST(Prove, RefusesWhatIsNoTruth) {
   EXPECT_TRUE(t->window_s.has_value());
 }
 
+TEST(Prove, AnEffectOnOneAxisIsZeroOnTheOthers) {
+  const auto t = parse_truth(
+      R"({"kind": "oneaxis", "reference": "exact", "effects": {"gyr_asym": {"k": [1, 2, 3]}}, "axes": {"gyr_asym": 2}})",
+      "x");
+  ASSERT_TRUE(t.has_value());
+  EXPECT_EQ(t->effects.at("gyr_asym").at("k"), (std::vector<double>{0, 0, 3}));
+}
+
 TEST(Prove, WilsonIntervalsAreThoseOfTheTables) {
   const auto none = wilson95(0, 72);
   EXPECT_EQ(none[0], 0.0);
