@@ -4,7 +4,6 @@
 #include <gmock/gmock.h>
 
 #include <fstream>
-#include <regex>
 #include <sstream>
 
 namespace stillpoint::diag {
@@ -39,7 +38,8 @@ TEST(Report, StandsAlone) {
   const auto html =
       report_html(example(), {.recording = "a.csv", .simulation = "a.yaml", .validation = "", .blocks_to_paste = ""});
   EXPECT_THAT(html, Not(HasSubstr("src=")));
-  EXPECT_FALSE(std::regex_search(html, std::regex("<link|@import|url\\(|fetch\\(|XMLHttpRequest")));
+  for (const char* outside : {"<link", "@import", "url(", "fetch(", "XMLHttpRequest"})
+    EXPECT_EQ(html.find(outside), std::string::npos) << outside;
   EXPECT_THAT(html, HasSubstr("uPlot"));
 }
 
