@@ -9,6 +9,7 @@
 #include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <span>
 
 namespace stillpoint::io {
 namespace {
@@ -109,8 +110,8 @@ Result<std::vector<std::byte>> StateStore::read(const std::string& file) const {
   const std::string text{std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
   const auto end = text.find("\n\n");
   if (end == std::string::npos) return fail(ErrorKind::kBadData, "not a state file, or cut short");
-  std::vector<std::byte> payload(text.size() - end - 2);
-  std::memcpy(payload.data(), text.data() + end + 2, payload.size());
+  const auto bytes = std::as_bytes(std::span(text)).subspan(end + 2);
+  std::vector<std::byte> payload(bytes.begin(), bytes.end());
   if (text.substr(0, end + 2) == header(sensor_id_, payload)) return payload;
   if (text.find(fmt::format("\nsensor {}\n", sensor_id_)) > end)
     return fail(ErrorKind::kBadData, "it belongs to another sensor");
