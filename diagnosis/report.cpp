@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "diagnosis/report_svg.h"
+#include "diagnosis/summary.h"
 #include "simulation/effect_catalogue.h"
 
 namespace stillpoint::diag {
@@ -19,22 +20,6 @@ extern const char uPlot_iife_min_js[], uPlot_min_css[], report_page_css[], repor
 namespace {
 
 using svg::escaped;
-
-const char* verdict_id(Verdict v) {
-  switch (v) {
-    case Verdict::kNoMismatch:
-      return "no_mismatch";
-    case Verdict::kExplained:
-      return "explained";
-    case Verdict::kPartlyExplained:
-      return "partly_explained";
-    case Verdict::kUnexplained:
-      return "unexplained";
-    case Verdict::kInsufficientData:
-      return "insufficient_data";
-  }
-  return "";
-}
 
 const char* verdict_words(Verdict v) {
   switch (v) {
@@ -240,7 +225,7 @@ std::string report_html(const Diagnosis& d, const ReportContext& context) {
   s += fmt::format(
       "<div class=\"verdict {}\"><div class=\"label\">{}</div><h1>{}</h1><p class=\"small\">Recording {} against "
       "simulation {}{}</p></div>",
-      verdict_id(d.verdict), verdict_words(d.verdict), escaped(d.summary), escaped(context.recording),
+      verdict_word(d.verdict), verdict_words(d.verdict), escaped(d.summary), escaped(context.recording),
       escaped(context.simulation), context.validation.empty() ? "" : "; checked on " + escaped(context.validation));
   s += "<noscript><p>The curves need a script; every number stands in the tables below.</p></noscript>";
   for (std::size_t k = 0; k < d.findings.size(); ++k) s += finding_card(d.findings[k], k);
