@@ -59,6 +59,14 @@ Result<void> write_text(const std::string& path, const std::string& text) {
   return {};
 }
 
+std::filesystem::path program_folder() { return std::filesystem::read_symlink("/proc/self/exe").parent_path(); }
+
+/// The configurations of the installation that this program belongs to, else of the source it was built from.
+std::filesystem::path configs_folder() {
+  const auto installed = program_folder() / "../share/stillpoint/configs";
+  return std::filesystem::exists(installed) ? installed : std::filesystem::path(STILLPOINT_SOURCE "/configs");
+}
+
 /// Simulates, and writes into the folder: the recording, the simulation, the same without its effects, and the daemon's
 /// configuration.
 Result<Stage> prepare(const DemoOptions& options) {
@@ -66,7 +74,7 @@ Result<Stage> prepare(const DemoOptions& options) {
   std::filesystem::create_directories(options.folder, code);
   if (code)
     return fail(ErrorKind::kCannotCreate, fmt::format("{}: cannot be created: {}", options.folder, code.message()));
-  auto simulation = io::read_simulation(STILLPOINT_CONFIGS "/sim_handheld.yaml");
+  auto simulation = io::read_simulation(configs_folder() / "sim_handheld.yaml");
   if (!simulation) return tl::unexpected(simulation.error());
   Stage stage;
   stage.recording = io::to_recording(sim::simulate(*simulation, static_cast<std::uint64_t>(options.seed)));
@@ -251,7 +259,7 @@ int demo(const DemoOptions& options) {
                    .diagnostics = [&listener](const DiagnosticsMessage& m) { listener.model.take(m); }});
   if (!subscriber) return report(subscriber.error());
   stop_on_signals();
-  const auto program = std::filesystem::read_symlink("/proc/self/exe").parent_path() / "stillpointd";
+  const auto program = program_folder() / "stillpointd";
   auto daemon = ChildProcess::start({program, "--config", stage->config_path}, options.folder + "/stillpointd.log");
   if (!daemon) return report(daemon.error());
   if (const auto r = follow(*daemon, listener, *stage, options); !r) return report(r.error());

@@ -1,10 +1,26 @@
 /// `stillpoint`: the command line tool. `stillpoint --help` lists the commands.
+#include <fmt/format.h>
+
 #include "apps/stillpoint/commands.h"
+#include "io/yaml.h"
+
+namespace {
+
+/// Whether there is a command of this name; if not, it is said with the nearest that there is.
+bool is_command(const CLI::App& cli, const std::string& word) {
+  std::vector<std::string> names;
+  for (const CLI::App* command : cli.get_subcommands(nullptr)) names.push_back(command->get_name());
+  if (std::find(names.begin(), names.end(), word) != names.end()) return true;
+  fmt::print(stderr, "stillpoint: no command '{}'{}\n", word, stillpoint::io::suggestion(word, names));
+  return false;
+}
+
+}  // namespace
 
 int main(int argc, char** argv) {
   using namespace stillpoint;
   CLI::App cli{"Self-calibrating attitude, and the physics a simulation left out."};
-  cli.require_subcommand(1);
+  cli.set_version_flag("--version", "stillpoint " STILLPOINT_VERSION);
   app::Run run;
   app::add_calibrate(cli, run);
   app::add_check(cli, run);
@@ -17,6 +33,11 @@ int main(int argc, char** argv) {
   app::add_effects(cli, run);
   app::add_simulate(cli, run);
   app::add_watch(cli, run);
+  if (argc < 2) {
+    fmt::print(stderr, "{}", cli.help());
+    return static_cast<int>(ErrorKind::kUsage);
+  }
+  if (argv[1][0] != '-' && !is_command(cli, argv[1])) return static_cast<int>(ErrorKind::kUsage);
   try {
     cli.parse(argc, argv);
   } catch (const CLI::ParseError& e) {
