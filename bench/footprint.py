@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""What the daemon needs: time to the first attitude, memory and its growth, processor share, sizes of the programs.
+"""What the daemon needs: time to the first attitude, memory and its growth, processor share, sizes of the programs;
+and what a subscriber that listens all the while lost.
 
 `bench/footprint.py BUILD_FOLDER [--rate 1000] [--seconds 10] [--json]`. The sensor is the simulated one of
 configs/sim_handheld.yaml at this rate; the figures include the simulator, which runs in the sensor thread.
@@ -39,6 +40,24 @@ def processor_s(pid):
     return used
 
 
+class Listener:
+    """`stillpoint watch` on the daemon, from the first attitude to the end."""
+
+    def __init__(self, build, domain, folder):
+        self.path = folder / "heard.jsonl"
+        self.process = subprocess.Popen([build / "stillpoint", "watch", "--domain", domain, "--json", "-"],
+                                        stdout=self.path.open("w"), stderr=subprocess.DEVNULL)
+
+    def end(self):
+        """received, lost (published, not arrived) and dropped (inside the daemon) attitudes."""
+        time.sleep(1.2)  # it prints once a second
+        self.process.terminate()
+        self.process.wait()
+        lines = self.path.read_text().splitlines()
+        last = json.loads(lines[-1]) if lines else {}
+        return {key: last.get(key, 0) for key in ("received", "lost", "dropped")}
+
+
 def stripped_size(program):
     with tempfile.NamedTemporaryFile() as copy:
         subprocess.run(["strip", "-o", copy.name, program], check=True)
@@ -49,7 +68,7 @@ def measure(build, rate_hz, seconds):
     domain = str(1 + os.getpid() % 100)
     with tempfile.TemporaryDirectory() as folder:
         folder = pathlib.Path(folder)
-        write_sensor(folder / "sensor.yaml", rate_hz, seconds + 4)
+        write_sensor(folder / "sensor.yaml", rate_hz, seconds + 10)
         (folder / "daemon.yaml").write_text(
             "source: {kind: simulation, file: sensor.yaml, speed: 1, at_end: stop}\n"
             f"sensor: {{id: footprint}}\ndds: {{domain: {domain}}}\n")
@@ -62,12 +81,16 @@ def measure(build, rate_hz, seconds):
             if watch.wait(timeout=15) != 0:
                 sys.exit("footprint: no attitude arrived; does the daemon start?")
             first_s = time.monotonic() - start
+            listener = Listener(build, domain, folder)
             time.sleep(1.0)
             rss_before, _ = memory_kB(daemon.pid)
             used_before, t_before = processor_s(daemon.pid), time.monotonic()
-            time.sleep(seconds)
+            time.sleep(0.5 * seconds)
+            rss_middle, _ = memory_kB(daemon.pid)
+            time.sleep(0.5 * seconds)
             used, t_after = processor_s(daemon.pid), time.monotonic()
             rss_after, rss_peak = memory_kB(daemon.pid)
+            heard = listener.end()
         finally:
             daemon.terminate()
             daemon.wait()
@@ -80,6 +103,8 @@ def measure(build, rate_hz, seconds):
         "rss_MB": rss_after / 1024,
         "rss_peak_MB": rss_peak / 1024,
         "rss_growth_MB": (rss_after - rss_before) / 1024,
+        "rss_growth_second_half_MB": (rss_after - rss_middle) / 1024,
+        "attitudes": heard,
         "processor_share_of_one_core": sum(share.values()),
         "processor_share_by_thread": {name: round(s, 4) for name, s in sorted(share.items(), key=lambda e: -e[1]) if s > 0},
         "stripped_MB": {name: stripped_size(build / name) / 2**20 for name in ("stillpointd", "stillpoint")
@@ -103,7 +128,10 @@ def main():
         return
     print(f"start to the first attitude in a waiting subscriber  {found['start_to_first_attitude_s']:.2f} s (to 0.04 s)")
     print(f"resident memory  {found['rss_MB']:.1f} MB, at most {found['rss_peak_MB']:.1f} MB; "
-          f"growth in {args.seconds:.0f} s {found['rss_growth_MB']:.2f} MB")
+          f"growth in {args.seconds:.0f} s {found['rss_growth_MB']:.2f} MB, of it in the second half "
+          f"{found['rss_growth_second_half_MB']:.2f} MB")
+    heard = found["attitudes"]
+    print(f"attitudes heard  {heard['received']}, lost {heard['lost']}, dropped in the daemon {heard['dropped']}")
     print(f"processor at {args.rate:.0f} Hz  {100 * found['processor_share_of_one_core']:.1f} % of one core")
     for name, share in found["processor_share_by_thread"].items():
         print(f"    {name:<18}{100 * share:5.1f} %")
