@@ -76,7 +76,8 @@ def measure(build, rate_hz, seconds):
                                   "--json", "-"], stdout=subprocess.DEVNULL)
         time.sleep(0.5)
         start = time.monotonic()
-        daemon = subprocess.Popen([build / "stillpointd", "--config", folder / "daemon.yaml"], stderr=subprocess.DEVNULL)
+        log = folder / "daemon.log"
+        daemon = subprocess.Popen([build / "stillpointd", "--config", folder / "daemon.yaml"], stderr=log.open("w"))
         try:
             if watch.wait(timeout=15) != 0:
                 sys.exit("footprint: no attitude arrived; does the daemon start?")
@@ -94,6 +95,7 @@ def measure(build, rate_hz, seconds):
         finally:
             daemon.terminate()
             daemon.wait()
+        processing = re.search(r"processing_us p50=([\d.]+) p99=([\d.]+)", log.read_text())
     share = {name: (s - used_before.get(name, 0.0)) / (t_after - t_before) for name, s in used.items()}
     return {
         "schema": "stillpoint.footprint/1",
@@ -105,6 +107,7 @@ def measure(build, rate_hz, seconds):
         "rss_growth_MB": (rss_after - rss_before) / 1024,
         "rss_growth_second_half_MB": (rss_after - rss_middle) / 1024,
         "attitudes": heard,
+        "processing_us": {"p50": float(processing[1]), "p99": float(processing[2])},
         "processor_share_of_one_core": sum(share.values()),
         "processor_share_by_thread": {name: round(s, 4) for name, s in sorted(share.items(), key=lambda e: -e[1]) if s > 0},
         "stripped_MB": {name: stripped_size(build / name) / 2**20 for name in ("stillpointd", "stillpoint")
@@ -132,6 +135,7 @@ def main():
           f"{found['rss_growth_second_half_MB']:.2f} MB")
     heard = found["attitudes"]
     print(f"attitudes heard  {heard['received']}, lost {heard['lost']}, dropped in the daemon {heard['dropped']}")
+    print(f"stages, per sample  p50 {found['processing_us']['p50']:.2f} us, p99 {found['processing_us']['p99']:.2f} us")
     print(f"processor at {args.rate:.0f} Hz  {100 * found['processor_share_of_one_core']:.1f} % of one core")
     for name, share in found["processor_share_by_thread"].items():
         print(f"    {name:<18}{100 * share:5.1f} %")

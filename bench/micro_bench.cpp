@@ -2,17 +2,11 @@
 /// allocations, and a building block of the sensor thread that allocates fails its benchmark.
 #include <benchmark/benchmark.h>
 
-#include <atomic>
-#include <boost/lockfree/spsc_queue.hpp>
-#include <cmath>
-#include <random>
-#include <thread>
-
 #include "bench/allocations.h"
+#include "bench/hand_samples.h"
 #include "calib_online/online_calibrator.h"
 #include "calib_online/rest_detector.h"
 #include "core/snapshot_cell.h"
-#include "core/spsc_ring.h"
 #include "fusion/attitude_filter.h"
 #include "io/recording.h"
 
@@ -20,29 +14,8 @@ namespace stillpoint {
 namespace {
 
 constexpr std::size_t kSamples = 8192;
-constexpr unsigned kSeed = 1;
 
-/// A hand that moves for five seconds and rests for five, at 200 Hz, with consumer-grade noise.
-std::vector<RawSample> samples() {
-  std::mt19937_64 random(kSeed);
-  std::normal_distribution<double> normal;
-  std::vector<RawSample> out(kSamples);
-  for (std::size_t i = 0; i < kSamples; ++i) {
-    const double t_s = 0.005 * static_cast<double>(i);
-    const double moving = std::fmod(t_s, 10.0) < 5.0 ? 1.0 : 0.0;
-    RawSample& s = out[i];
-    s.t_ns = static_cast<std::int64_t>(i) * 5'000'000;
-    s.sequence = i;
-    s.has = kAcc | kGyr | kMag | kTemp;
-    s.temp_degC = 25.0;
-    for (std::size_t k = 0; k < 3; ++k) {
-      s.gyr_radps[k] = moving * std::sin(3.0 * t_s + static_cast<double>(k)) + 0.002 * normal(random);
-      s.acc_mps2[k] = (k == 2 ? 9.81 : 0.0) + moving * std::cos(5.0 * t_s) + 0.02 * normal(random);
-      s.mag_uT[k] = (k == 2 ? -43.0 : 20.0) + 0.3 * normal(random);
-    }
-  }
-  return out;
-}
+std::vector<RawSample> samples() { return bench::hand_samples(kSamples, 200.0); }
 
 /// Runs `step(i)` for i = 0.. and reports items and allocations; `realtime` ones must not allocate.
 template <class Step>
@@ -55,68 +28,6 @@ void measure(benchmark::State& state, Step&& step, bool realtime = true) {
   state.counters["allocs"] = static_cast<double>(made);
   if (realtime && made != 0) state.SkipWithError("allocated");
 }
-
-void BM_RingHop(benchmark::State& state) {
-  const auto input = samples();
-  SpscRing<RawSample, 1024> ring;
-  measure(state, [&](std::size_t i) {
-    ring.try_push(input[i % kSamples]);
-    auto out = ring.try_pop();
-    benchmark::DoNotOptimize(out);
-  });
-}
-BENCHMARK(BM_RingHop);
-
-void BM_RingHopBoost(benchmark::State& state) {
-  const auto input = samples();
-  boost::lockfree::spsc_queue<RawSample, boost::lockfree::capacity<1024>> ring;
-  measure(state, [&](std::size_t i) {
-    ring.push(input[i % kSamples]);
-    RawSample out;
-    ring.pop(out);
-    benchmark::DoNotOptimize(out);
-  });
-}
-BENCHMARK(BM_RingHopBoost);
-
-/// There and back between two threads that poll; one item is one hop.
-template <class Ring, class Push, class Pop>
-void ping_pong(benchmark::State& state, Push push, Pop pop) {
-  Ring there, back;
-  std::atomic<bool> stop{false};
-  std::thread echo([&] {
-    RawSample sample;
-    while (!stop.load(std::memory_order_relaxed))
-      if (pop(there, sample)) push(back, sample);
-  });
-  RawSample sample;
-  for (auto _ : state) {
-    push(there, sample);
-    while (!pop(back, sample)) {
-    }
-  }
-  stop = true;
-  echo.join();
-  state.SetItemsProcessed(2 * static_cast<std::int64_t>(state.iterations()));
-}
-
-void BM_RingBetweenThreads(benchmark::State& state) {
-  ping_pong<SpscRing<RawSample, 1024>>(
-      state, [](auto& ring, const RawSample& s) { ring.try_push(s); },
-      [](auto& ring, RawSample& s) {
-        const auto taken = ring.try_pop();
-        if (taken) s = *taken;
-        return taken.has_value();
-      });
-}
-BENCHMARK(BM_RingBetweenThreads)->UseRealTime();
-
-void BM_RingBetweenThreadsBoost(benchmark::State& state) {
-  ping_pong<boost::lockfree::spsc_queue<RawSample, boost::lockfree::capacity<1024>>>(
-      state, [](auto& ring, const RawSample& s) { ring.push(s); },
-      [](auto& ring, RawSample& s) { return ring.pop(s) == 1; });
-}
-BENCHMARK(BM_RingBetweenThreadsBoost)->UseRealTime();
 
 void BM_SnapshotLoad(benchmark::State& state) {
   SnapshotCell<CalibrationSnapshot> cell;

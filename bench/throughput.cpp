@@ -8,8 +8,8 @@
 #include <chrono>
 #include <cmath>
 #include <nlohmann/json.hpp>
-#include <random>
 
+#include "bench/hand_samples.h"
 #include "io/config.h"
 #include "io/recording.h"
 #include "pipeline/stages.h"
@@ -19,35 +19,11 @@ namespace {
 
 constexpr double kRate_hz = 200.0;
 constexpr std::size_t kBlock = 12'000;  // a minute
-constexpr unsigned kSeed = 1;
 
 double processor_s() {
   rusage usage{};
   getrusage(RUSAGE_SELF, &usage);
   return static_cast<double>(usage.ru_utime.tv_sec) + 1e-6 * static_cast<double>(usage.ru_utime.tv_usec);
-}
-
-/// A minute of a hand that rests for five seconds and moves for five, with noise: rest windows and calibration are at
-/// work.
-std::vector<RawSample> minute() {
-  std::mt19937_64 random(kSeed);
-  std::normal_distribution<double> normal;
-  std::vector<RawSample> out(kBlock);
-  for (std::size_t i = 0; i < kBlock; ++i) {
-    const double t_s = static_cast<double>(i) / kRate_hz;
-    const double moving = std::fmod(t_s, 10.0) < 5.0 ? 0.0 : 1.0;
-    RawSample& s = out[i];
-    s.has = kAcc | kGyr | kMag | kTemp;
-    s.temp_degC = 25.0;
-    const Vec3 gravity(0, 0, 9.80665), field(0, 20, -43);
-    for (std::size_t k = 0; k < 3; ++k) {
-      const auto axis = static_cast<Eigen::Index>(k);
-      s.gyr_radps[k] = moving * std::sin(2 * M_PI * t_s / 5.0 + static_cast<double>(k)) + 0.002 * normal(random);
-      s.acc_mps2[k] = gravity[axis] + moving * std::cos(5.0 * t_s) + 0.02 * normal(random);
-      s.mag_uT[k] = field[axis] + 0.4 * normal(random);
-    }
-  }
-  return out;
 }
 
 /// The stages of `estimate` with its own calibrator.
@@ -135,7 +111,7 @@ Result<Speed> from_csv(const std::vector<RawSample>& block, std::uint64_t sample
 }
 
 int run(bool json, double day_h, double at_least) {
-  const auto block = minute();
+  const auto block = hand_samples(kBlock, kRate_hz);
   std::vector<Speed> speeds{from_memory(block, "samples in memory to attitude", 1'000'000)};
   const auto csv = from_csv(block, 500'000);
   if (!csv)

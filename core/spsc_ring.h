@@ -4,7 +4,6 @@
 #include <array>
 #include <atomic>
 #include <cstddef>
-#include <optional>
 #include <type_traits>
 
 namespace stillpoint {
@@ -30,16 +29,16 @@ class SpscRing {
     return true;
   }
 
-  /// Consumer only. Wait-free.
-  std::optional<T> try_pop() noexcept {
+  /// Consumer only. False, and `out` untouched, when the ring is empty. Wait-free.
+  bool try_pop(T& out) noexcept {
     const std::size_t tail = tail_.load(std::memory_order_relaxed);
     if (tail == head_seen_) {
       head_seen_ = head_.load(std::memory_order_acquire);
-      if (tail == head_seen_) return std::nullopt;
+      if (tail == head_seen_) return false;
     }
-    std::optional<T> value(slots_[tail & (Capacity - 1)]);
+    out = slots_[tail & (Capacity - 1)];
     tail_.store(tail + 1, std::memory_order_release);
-    return value;
+    return true;
   }
 
   /// Any thread.

@@ -45,17 +45,17 @@ class CalibrationLoop {
 
   void drain() {
     learn();
-    while (const auto sample = shared_.outgoing.try_pop()) {
-      observer_.on_sample(*sample);
+    while (shared_.outgoing.try_pop(sample_)) {
+      observer_.on_sample(sample_);
       learn();  // a waiting sensor thread comes before slow readers
     }
   }
 
   void learn() {
-    while (const auto window = shared_.calibration.windows.try_pop()) {
-      const bool changed = calibrator_.absorb(window->window);
-      shared_.calibration.answers.store({window->number, calibrator_.snapshot()});
-      if (changed) observer_.on_calibration(*window, calibrator_.snapshot());
+    while (shared_.calibration.windows.try_pop(window_)) {
+      const bool changed = calibrator_.absorb(window_.window);
+      shared_.calibration.answers.store({window_.number, calibrator_.snapshot()});
+      if (changed) observer_.on_calibration(window_, calibrator_.snapshot());
     }
   }
 
@@ -64,6 +64,8 @@ class CalibrationLoop {
   O& observer_;
   std::int64_t poll_ns_;
   SensorReport report_;
+  Outgoing sample_;  ///< the one just taken from its ring
+  NumberedWindow window_;
 };
 
 }  // namespace stillpoint::pipeline

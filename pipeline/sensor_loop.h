@@ -37,7 +37,8 @@ struct Shared {
   CalibrationChannel calibration;
   SpscRing<Outgoing, 1024> outgoing;
   SnapshotCell<SensorReport> report;
-  LatencyHistogram latency;              ///< arrival to just before the write
+  LatencyHistogram latency;              ///< arrival to just before the write: lateness of the wake-up included
+  LatencyHistogram processing;           ///< of that, what the stages take
   std::atomic<bool> stop{false};         ///< asks both threads to end
   std::atomic<bool> sensor_done{false};  ///< nothing more will enter the rings
 };
@@ -74,8 +75,10 @@ class SensorLoop {
   static constexpr std::int64_t kReportPeriod_ns = 20'000'000;
 
   void handle() noexcept {
+    const std::int64_t start_ns = monotonic_ns();
     const bool usable = stages_.process(arrival_.sample, result_, link_) != StageStatus::kDrop;
     const std::int64_t now_ns = monotonic_ns();
+    shared_.processing.add(now_ns - start_ns);
     if (usable) {
       out_.message = to_message(result_, stages_.true_heading());
       out_.message.t_arrival_ns = arrival_.arrival_ns;

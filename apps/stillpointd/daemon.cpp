@@ -118,14 +118,16 @@ class Running {
   void summary() const {
     const auto report = shared_->report.try_load();
     if (!report) return;
-    const auto counts = shared_->latency.counts();
-    const auto us = [&](double p) { return 1e-3 * static_cast<double>(latency_percentile_ns(counts, p)); };
-    log(
-        fmt::format("ended: samples={} published={} refused={} gaps={} windows={} version={} dropped={} "
-                    "latency_us p50={:.1f} p99={:.1f} max={:.1f}",
-                    report->guard.samples, report->published, report->guard.refused, report->guard.gaps,
-                    report->stages.windows, stages_.live().version, report->ring_dropped, us(0.5), us(0.99),
-                    1e-3 * static_cast<double>(shared_->latency.max_ns())));
+    const auto latency = shared_->latency.counts(), processing = shared_->processing.counts();
+    const auto us = [](const LatencyCounts& counts, double p) {
+      return 1e-3 * static_cast<double>(latency_percentile_ns(counts, p));
+    };
+    log(fmt::format(
+        "ended: samples={} published={} refused={} gaps={} windows={} version={} dropped={} "
+        "latency_us p50={:.1f} p99={:.1f} max={:.1f} processing_us p50={:.2f} p99={:.2f}",
+        report->guard.samples, report->published, report->guard.refused, report->guard.gaps, report->stages.windows,
+        stages_.live().version, report->ring_dropped, us(latency, 0.5), us(latency, 0.99),
+        1e-3 * static_cast<double>(shared_->latency.max_ns()), us(processing, 0.5), us(processing, 0.99)));
   }
 
   const io::DaemonConfig& config_;

@@ -38,7 +38,7 @@ TEST(Allocations, TenThousandSamplesThroughTheSensorThreadsStagesMakeNone) {
     ASSERT_NE(stages.process(samples[i], *processed, link), StageStatus::kDrop);
     out->message = to_message(*processed, false);
     shared->outgoing.try_push(*out);
-    if (i % 100 == 0) shared->outgoing.try_pop();
+    if (i % 100 == 0) shared->outgoing.try_pop(*out);
     shared->latency.add(static_cast<std::int64_t>(i));
   }
   EXPECT_EQ(bench::allocations() - before, 0U);
