@@ -56,10 +56,11 @@ std::array<Mask, kSensors> masks(const Forensics& forensics) {
   return out;
 }
 
-/// What the forensics found mutes what follows: a quantised sensor at rest shows its lattice, not its physics.
+/// A sensor whose steps are coarser than its noise shows its lattice at rest, not its physics.
 void mute_lattice_at_rest(Signals& s, const Forensics& forensics) {
   for (std::size_t k = 0; k < kSensors; ++k) {
     if (!s.present[k] || !forensics.sensor[k].quantised) continue;
+    if (forensics.sensor[k].lattice_step.maxCoeff() < s.noise_sd[k]) continue;
     for (std::size_t i = 0; i < s.rest.size(); ++i)
       if (s.rest[i]) s.muted[k][i] = 1;
   }

@@ -12,7 +12,7 @@
 namespace stillpoint::diag {
 namespace {
 
-constexpr double kMotionBand_Hz = 10.0;    // hands, limbs and vehicles move below this
+constexpr double kMotionBand_Hz = 20.0;    // hands, limbs and vehicles move below this, tremor included
 constexpr double kExactJitter_rad = 2e-6;  // a reference quieter than this is arithmetic, not a camera
 constexpr double kMotionOverNoise =
     60.0;  // power; the noise in a driver then costs a candidate less than it costs to be named
@@ -151,6 +151,23 @@ void mute_ends(Mask& mask, Eigen::Index n, Eigen::Index ends) {
   }
 }
 
+/// Where the reference was lost, and beside it as far as its differences reach, nothing can be compared.
+void mute_lost_reference(Signals& s, const io::Recording& recording) {
+  constexpr std::ptrdiff_t kReach = 5;
+  const auto n = static_cast<std::ptrdiff_t>(s.n);
+  std::ptrdiff_t until = 0;
+  for (std::ptrdiff_t i = 0; i < n; ++i) {
+    const auto at = static_cast<std::size_t>(i);
+    const bool there =
+        recording.ref_q_world_body[at].allFinite() && (!s.has_position || recording.ref_position_m[at].allFinite());
+    if (there) continue;
+    for (std::ptrdiff_t k = std::max(until, i - kReach); k <= std::min(i + kReach, n - 1); ++k)
+      for (Mask& muted : s.muted)
+        if (!muted.empty()) muted[static_cast<std::size_t>(k)] = 1;
+    until = i + kReach + 1;
+  }
+}
+
 void read_triads(Signals& s, const io::Recording& recording, const sim::SimulationConfig& simulation,
                  const std::array<Mask, kSensors>& muted) {
   const std::array<const std::vector<Vec3>*, kSensors> raw{&recording.acc_mps2, &recording.gyr_radps,
@@ -219,6 +236,21 @@ void predict(Signals& s, const io::Recording& recording) {
   s.predicted[kMag] = to_body(s.field_world_uT.transpose().replicate(s.n, 1));
 }
 
+/// At rest nothing moves: there the vector is one value a rest, or the sensor's own noise would stand in residual and
+/// driver alike.
+void hold_at_rest(Signals& s) {
+  for (Eigen::Index begin = 0; begin < s.n; ++begin) {
+    Eigen::Index end = begin;
+    while (end < s.n && s.rest[static_cast<std::size_t>(end)]) ++end;
+    if (end == begin) continue;
+    for (Series3& v : s.vector)
+      if (v.rows() == s.n)
+        v.middleRows(begin, end - begin).rowwise() = v.middleRows(begin, end - begin).colwise().mean().eval();
+    s.vector[kGyr].middleRows(begin, end - begin).setZero();
+    begin = end;
+  }
+}
+
 /// Which signal stands for the true vector: a noiseless reference; else the sensor itself, which is quieter than a
 /// differentiated camera, in the band where things move.
 void choose_vectors(Signals& s) {
@@ -235,6 +267,7 @@ void choose_vectors(Signals& s) {
     s.vector[k] = predicted ? s.predicted[k] : s.reading[k];
     if (!s.exact_reference) s.vector[k] = limited(s.vector[k]);
   }
+  if (!s.exact_reference) hold_at_rest(s);
   s.rate = s.vector[kGyr];
   s.rate_dot = derivative(s.rate, s.dt_s);
   for (Eigen::Index i = 0; i < s.n; ++i) {
@@ -295,6 +328,7 @@ Result<Signals> make_signals(const io::Recording& recording, const sim::Simulati
   s.has_position = !recording.ref_position_m.empty();
   if (!s.has_orientation) return s;
   predict(s, recording);
+  mute_lost_reference(s, recording);
   for (int k = 0; k < kSensors; ++k) {
     if (!s.present[k]) continue;
     s.residual[k] = s.reading[k] - s.predicted[k];

@@ -1,0 +1,71 @@
+/// What becomes of samples that are no measurements, and of a reference that was lost for a while.
+#include "diagnosis/signals.h"
+
+#include <gtest/gtest.h>
+
+#include "io/simulated_recording.h"
+#include "simulation/simulator.h"
+
+namespace stillpoint::diag {
+namespace {
+
+sim::SimulationConfig baseline() {
+  sim::SimulationConfig s;
+  s.rate_hz = 200;
+  s.accelerometer = sim::TriadConfig{.noise_sd = 0.02};
+  s.gyroscope = sim::TriadConfig{.noise_sd = 0.001};
+  s.magnetometer = sim::TriadConfig{.noise_sd = 0.3};
+  s.motion = sim::MotionConfig{};
+  s.motion->duration_s = 30;
+  s.reference.kind = "mocap";
+  return s;
+}
+
+io::Recording record() { return io::to_recording(sim::simulate(baseline(), 5)); }
+
+TEST(Thinned, TakesItsMeansFromMeasurementsOnly) {
+  auto r = record();
+  std::array<Mask, kSensors> muted;
+  muted[kMag].assign(r.size(), 1);
+  for (std::size_t i = 0; i < r.size(); i += 4) muted[kMag][i] = 0;  // held: three rows of four carry nothing new
+  for (std::size_t i = 0; i < r.size(); ++i)
+    if (muted[kMag][i]) r.mag_uT[i] = Vec3::Constant(1e6);
+  const auto s = make_signals(r, baseline(), muted);
+  ASSERT_TRUE(s);
+  const Signals t = thinned(*s, 4);
+  ASSERT_EQ(t.n, s->n / 4);
+  const auto middle = t.n / 2;
+  EXPECT_EQ(t.muted[kMag][static_cast<std::size_t>(middle)], 0);
+  EXPECT_EQ(t.reading[kMag].row(middle), s->reading[kMag].row(4 * middle));
+  EXPECT_LT(t.residual[kMag].row(middle).norm(), 5.0);
+}
+
+TEST(Signals, MutesWhereTheReferenceWasLost) {
+  auto r = record();
+  for (std::size_t i = 3000; i < 3100; ++i) r.ref_q_world_body[i].setConstant(io::kMissing);
+  const auto s = make_signals(r, baseline(), {});
+  ASSERT_TRUE(s);
+  for (const int k : {kAcc, kGyr, kMag}) {
+    EXPECT_EQ(s->muted[k][2980], 0) << k;
+    EXPECT_EQ(s->muted[k][2997], 1) << "differences reach into the gap";
+    EXPECT_EQ(s->muted[k][3050], 1) << k;
+    EXPECT_EQ(s->muted[k][3120], 0) << k;
+  }
+}
+
+TEST(Signals, HoldsTheDriverStillAtRest) {
+  const auto s = make_signals(record(), baseline(), {});
+  ASSERT_TRUE(s);
+  ASSERT_FALSE(s->exact_reference);
+  int rests = 0;
+  for (Eigen::Index i = 1; i < s->n; ++i) {
+    if (!s->rest[static_cast<std::size_t>(i)] || !s->rest[static_cast<std::size_t>(i - 1)]) continue;
+    ++rests;
+    ASSERT_EQ(s->vector[kAcc].row(i), s->vector[kAcc].row(i - 1)) << i;
+    ASSERT_EQ(s->vector[kGyr].row(i).norm(), 0.0) << i;
+  }
+  EXPECT_GT(rests, 200);
+}
+
+}  // namespace
+}  // namespace stillpoint::diag
