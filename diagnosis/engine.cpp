@@ -21,6 +21,23 @@ std::optional<Series3> same_offset(const Signals& s, Sensor sensor, const Found&
   return std::nullopt;
 }
 
+/// Whether a delay of the sensor's own explains clearly more than the common one: then it is not common.
+bool has_its_own(const Signals& s, const SensorSearch& search, double common_gain) {
+  constexpr double kClearShare = 0.1;
+  Target plain = search.target;
+  plain.walk.resize(0, 0);
+  const Columns explained = search.explained();
+  const NoiseModel noise(plain.layout, fit_profile(plain, explained).leftover);
+  for (const TimingLaw& law : make_timing_laws(s, search.sensor, 0)) {
+    if (!law.id.ends_with("_delay")) continue;
+    const TimingFit own = fit_timing(plain, explained, noise, law);
+    if (own.gain_nats <= 0) return false;
+    const double gain = gain_of_offset(search, own.delta);
+    return gain > common_gain + std::max(kClearNats, kClearShare * gain);
+  }
+  return false;
+}
+
 /// Whether the other sensors confirm it; takes the offset out of them when they do.
 bool joins_all(const Signals& s, EngineResult& r, Sensor lead, Found& f, std::vector<Sensor>& sensors) {
   std::array<std::optional<Series3>, kSensors> offsets;
@@ -31,6 +48,7 @@ bool joins_all(const Signals& s, EngineResult& r, Sensor lead, Found& f, std::ve
     offsets[other] = same_offset(s, other, f);
     if (!offsets[other]) continue;
     gains[other] = gain_of_offset(*r.sensor[other], *offsets[other]);
+    if (f.id.ends_with("_delay") && has_its_own(s, *r.sensor[other], gains[other])) return false;
     total += gains[other];
   }
   const bool must_be_common = f.id.rfind("sys_", 0) == 0;

@@ -119,12 +119,20 @@ Finding finding_from(const Signals& s, const SensorSearch& search, std::size_t i
   return out;
 }
 
-/// Effects of one sensor that act in a part of the recording only. Two or more are one cause that switches, not
-/// recorded.
+/// Windows of one sensor in which effects act that do not last. Two or more are one cause that switches, not recorded;
+/// two effects in the same window came and went together.
 int locals(const SensorSearch& search) {
-  int local = 0;
-  for (const Found& f : search.found) local += f.window.local && f.kind != Kind::kTiming ? 1 : 0;
-  return local;
+  std::vector<Window> windows;
+  for (const Found& f : search.found) {
+    if (!f.window.local || f.kind == Kind::kTiming) continue;
+    const auto together = [&f](const Window& w) {
+      const auto both = std::min(w.end, f.window.end) - std::max(w.begin, f.window.begin);
+      const auto either = std::max(w.end, f.window.end) - std::min(w.begin, f.window.begin);
+      return 10 * both > 9 * either;
+    };
+    if (std::none_of(windows.begin(), windows.end(), together)) windows.push_back(f.window);
+  }
+  return static_cast<int>(windows.size());
 }
 
 Finding switching_finding(const Signals& s, const SensorSearch& search, const Finished& finished) {

@@ -11,6 +11,7 @@ constexpr double kNatsForTheName = 5.0;    // log of the number of laws
 constexpr double kNatsForTheWindow = 8.0;  // log of the number of windows
 constexpr double kLeastNet = 3.0;
 constexpr double kLeastShareOfFirst = 0.02;  // the remainder of a large effect must not get a name of its own
+constexpr double kArmsAgree = 0.95;
 constexpr std::size_t kShortNamed = 6, kShortUnknown = 2, kShortBesideWalk = 3;
 constexpr double kWalkWorthwhile = 2.0;
 constexpr double kWalkFreedom = 8.0;  // what three rates of a random walk and their name are worth
@@ -166,6 +167,16 @@ Eigen::Index refine_gap(const Signals& s, const SensorSearch& search, const Nois
   return std::clamp<Eigen::Index>(at, 1, s.n - 1);
 }
 
+/// Delay, low-pass and resonance are one response to first order, proportional to the derivative: a second one would
+/// only correct the first, and both would lose their numbers.
+bool is_response(const std::string& id) {
+  return id.ends_with("_delay") || id.ends_with("_lpf") || id.ends_with("_resonance") || id == "sys_offset" ||
+         id == "unknown:dw/dt";
+}
+bool responds(const SensorSearch& search) {
+  return std::any_of(search.found.begin(), search.found.end(), [](const Found& f) { return is_response(f.id); });
+}
+
 /// The timing laws, when the scan saw something that changes with the derivative of the measured vector.
 std::vector<Found> refine_timing(const Signals& s, const SensorSearch& search, const std::vector<Candidate>& shortlist,
                                  const NoiseModel& noise, double null_likelihood) {
@@ -179,7 +190,7 @@ std::vector<Found> refine_timing(const Signals& s, const SensorSearch& search, c
       gap_begin = refine_window(search.target, search.explained(), law, c, noise).begin;
   }
   std::vector<Found> out;
-  if (!wanted) return out;
+  if (!wanted || responds(search)) return out;
   if (gap_begin > 0) gap_begin = refine_gap(s, search, noise, gap_begin);
   for (const TimingLaw& law : make_timing_laws(s, search.sensor, gap_begin)) {
     const TimingFit fit = fit_timing(search.target, search.explained(), noise, law);
@@ -272,7 +283,7 @@ std::optional<Found> next_effect(const Signals& s, SensorSearch& search) {
   std::vector<Found> refined = refine_timing(s, search, shortlist, noise, null);
   for (Candidate& c : shortlist) {
     const Law& law = law_of(search, c.law);
-    if (law.kind == Kind::kTiming) continue;
+    if (law.kind == Kind::kTiming || (responds(search) && is_response(law.id))) continue;
     if (c.window.local) c.window = refine_window(t, explained, law, c, noise);
     Found f = found_from(law, c, in_window(law.columns(c.shape), c.window));
     const Fit fit = fit_profile(t, joined(explained, f.columns));
@@ -294,6 +305,10 @@ std::optional<Found> next_effect(const Signals& s, SensorSearch& search) {
   if (best->kind == Kind::kUnknown && named != refined.end() &&
       best->net_nats < named->net_nats + std::max(6.0, 0.05 * named->gain_nats))
     best = named;
+  // The size effect contains the lever arm: three arms that agree are one.
+  if (best->id == "acc_size")
+    for (auto f = refined.begin(); f != refined.end(); ++f)
+      if (f->id == "acc_lever" && f->gain_nats > kArmsAgree * best->gain_nats) best = f;
   if (best->net_nats < kLeastNet || best->gain_nats < kLeastShareOfFirst * search.first_gain) return std::nullopt;
   if (best->at_shape) {
     const auto law = std::find_if(search.laws.begin(), search.laws.end(),

@@ -22,7 +22,7 @@ Series3 quiet_at_rest(const Signals& s, Series3 x) {
 /// the response is undone instead: u - u / h.
 Series3 beyond_truth(const Signals& s, Sensor k, const Response& h) {
   const bool from_truth = s.exact_reference || k == kMag;
-  const Response low = low_pass(std::min(10.0, 0.2 / s.dt_s));
+  const Response low = low_pass(0.33 / s.dt_s);  // zero at Nyquist, where the inverse of a response is lost
   const Response gain = from_truth ? Response([h](double f) { return h(f) - 1.0; })
                                    : Response([h, low](double f) { return (1.0 - 1.0 / h(f)) * low(f); });
   return quiet_at_rest(s, apply_response(s.vector[k], s.dt_s, gain));
