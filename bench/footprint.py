@@ -84,13 +84,13 @@ def measure(build, rate_hz, seconds):
             first_s = time.monotonic() - start
             listener = Listener(build, domain, folder)
             time.sleep(1.0)
-            rss_before, _ = memory_kB(daemon.pid)
+            course_kB = [memory_kB(daemon.pid)[0]]
             used_before, t_before = processor_s(daemon.pid), time.monotonic()
-            time.sleep(0.5 * seconds)
-            rss_middle, _ = memory_kB(daemon.pid)
-            time.sleep(0.5 * seconds)
+            for _ in range(10):
+                time.sleep(seconds / 10)
+                course_kB.append(memory_kB(daemon.pid)[0])
             used, t_after = processor_s(daemon.pid), time.monotonic()
-            rss_after, rss_peak = memory_kB(daemon.pid)
+            _, rss_peak = memory_kB(daemon.pid)
             heard = listener.end()
         finally:
             daemon.terminate()
@@ -102,10 +102,10 @@ def measure(build, rate_hz, seconds):
         "rate_hz": rate_hz,
         "seconds": seconds,
         "start_to_first_attitude_s": round(first_s, 3),
-        "rss_MB": rss_after / 1024,
+        "rss_MB": course_kB[-1] / 1024,
         "rss_peak_MB": rss_peak / 1024,
-        "rss_growth_MB": (rss_after - rss_before) / 1024,
-        "rss_growth_second_half_MB": (rss_after - rss_middle) / 1024,
+        "rss_growth_MB": (course_kB[-1] - course_kB[0]) / 1024,
+        "rss_course_MB": [round(kB / 1024, 2) for kB in course_kB],
         "attitudes": heard,
         "processing_us": {"p50": float(processing[1]), "p99": float(processing[2])},
         "processor_share_of_one_core": sum(share.values()),
@@ -131,8 +131,8 @@ def main():
         return
     print(f"start to the first attitude in a waiting subscriber  {found['start_to_first_attitude_s']:.2f} s (to 0.04 s)")
     print(f"resident memory  {found['rss_MB']:.1f} MB, at most {found['rss_peak_MB']:.1f} MB; "
-          f"growth in {args.seconds:.0f} s {found['rss_growth_MB']:.2f} MB, of it in the second half "
-          f"{found['rss_growth_second_half_MB']:.2f} MB")
+          f"growth in {args.seconds:.0f} s {found['rss_growth_MB']:.2f} MB")
+    print(f"    after each tenth  {' '.join(str(mb) for mb in found['rss_course_MB'])}")
     heard = found["attitudes"]
     print(f"attitudes heard  {heard['received']}, lost {heard['lost']}, dropped in the daemon {heard['dropped']}")
     print(f"stages, per sample  p50 {found['processing_us']['p50']:.2f} us, p99 {found['processing_us']['p99']:.2f} us")

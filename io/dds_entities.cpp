@@ -12,6 +12,7 @@
 #include <algorithm>
 #include <cstdio>
 #include <fastdds/dds/domain/DomainParticipantFactory.hpp>
+#include <fastdds/dds/domain/DomainParticipantListener.hpp>
 #include <fastdds/dds/log/Log.hpp>
 #include <mutex>
 
@@ -153,7 +154,31 @@ DdsEntities::~DdsEntities() {
   dds::DomainParticipantFactory::get_instance()->delete_participant(participant_);
 }
 
+using Discovery = eprosima::fastrtps::rtps::WriterDiscoveryInfo;
+
+class DdsEntities::WriterCount : public dds::DomainParticipantListener {
+ public:
+  WriterCount(std::string topic, std::atomic<int>& count) : topic_(std::move(topic)), count_(count) {}
+  void on_publisher_discovery(dds::DomainParticipant*, Discovery&& found) override {
+    if (found.info.topicName() != topic_.c_str()) return;
+    if (found.status == Discovery::DISCOVERED_WRITER) ++count_;
+    if (found.status == Discovery::REMOVED_WRITER) --count_;
+  }
+
+ private:
+  std::string topic_;
+  std::atomic<int>& count_;
+};
+
+DdsEntities::DdsEntities() = default;
+
+void DdsEntities::count_writers(const std::string& topic, std::atomic<int>& rivals) {
+  writer_count_ = std::make_unique<WriterCount>(topic, rivals);
+  participant_->set_listener(writer_count_.get(), dds::StatusMask::none());
+}
+
 void DdsEntities::stop() noexcept {
+  participant_->set_listener(nullptr);
   if (subscriber_ == nullptr) return;
   std::vector<dds::DataReader*> readers;
   subscriber_->get_datareaders(readers);

@@ -1,5 +1,6 @@
 /// The Fast DDS objects behind publisher and subscriber: one participant, what was made in it, and its orderly end.
 #pragma once
+#include <atomic>
 #include <fastdds/dds/domain/DomainParticipant.hpp>
 #include <fastdds/dds/publisher/DataWriter.hpp>
 #include <fastdds/dds/publisher/Publisher.hpp>
@@ -34,13 +35,17 @@ class DdsEntities {
                                                 const dds::DataWriterQos& qos);
   [[nodiscard]] Result<dds::DataReader*> reader(const std::string& topic, const dds::TypeSupport& type,
                                                 const dds::DataReaderQos& qos, dds::DataReaderListener* listener);
+  /// `rivals` counts the writers of other participants on this topic from now on; it lives longer than this.
+  void count_writers(const std::string& topic, std::atomic<int>& rivals);
   /// Listeners are not called again once this returns.
   void stop() noexcept;
 
  private:
-  DdsEntities() = default;
+  DdsEntities();
   [[nodiscard]] Result<dds::Topic*> topic(const std::string& name, const dds::TypeSupport& type);
 
+  class WriterCount;
+  std::unique_ptr<WriterCount> writer_count_;
   dds::DomainParticipant* participant_ = nullptr;
   dds::Publisher* publisher_ = nullptr;
   dds::Subscriber* subscriber_ = nullptr;

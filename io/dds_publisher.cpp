@@ -47,6 +47,7 @@ dds::DataWriterQos ros2_writer_qos(std::string_view hash) {
 
 struct DdsPublisher::Impl {
   DdsParams params;
+  std::atomic<int> rivals{0};
   std::unique_ptr<DdsEntities> hot, slow;  // two participants: what blocks inside one does not reach the other
   bool loan = false;
   dds::DataWriter* attitude = nullptr;
@@ -109,6 +110,7 @@ Result<std::unique_ptr<DdsPublisher>> DdsPublisher::create(const DdsParams& para
   if (!slow) return tl::unexpected(slow.error());
   impl->hot = std::move(*hot);
   impl->slow = std::move(*slow);
+  impl->hot->count_writers(params.attitude_topic, impl->rivals);
   if (auto made = impl->create_writers(); !made) return tl::unexpected(made.error());
   return std::unique_ptr<DdsPublisher>(new DdsPublisher(std::move(impl)));
 }
@@ -162,6 +164,8 @@ int DdsPublisher::attitude_subscribers() const {
   impl_->attitude->get_publication_matched_status(status);
   return status.current_count;
 }
+
+int DdsPublisher::rival_publishers() const { return impl_->rivals.load(); }
 
 bool DdsPublisher::wait_for_acknowledgements(double timeout_s) {
   const auto end_ns = now_ns(CLOCK_MONOTONIC) + static_cast<std::int64_t>(1e9 * timeout_s);

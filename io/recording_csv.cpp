@@ -4,8 +4,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <charconv>
 #include <cmath>
+#include <filesystem>
 #include <fstream>
 
 namespace stillpoint::io {
@@ -304,15 +306,20 @@ Result<Recording> parse_recording(std::string_view text, const std::string& name
 }
 
 Result<Recording> read_recording(const std::string& path, OnMalformedRow policy) {
+  namespace fs = std::filesystem;
+  std::error_code unknown;
+  const fs::file_type kind = fs::status(path, unknown).type();
   std::ifstream file(path, std::ios::binary);
   if (!file)
     return fail(ErrorKind::kNoInput, fmt::format("{}: cannot be opened; check the path and its permissions", path));
+  if (kind != fs::file_type::regular && kind != fs::file_type::fifo)
+    return fail(ErrorKind::kNoInput, fmt::format("{}: neither a file nor a pipe; name a recording (.csv)", path));
   std::string text;
-  file.seekg(0, std::ios::end);
-  if (const auto size = file.tellg(); size > 0) text.resize(static_cast<std::size_t>(size));
-  file.seekg(0);
-  if (!file.read(text.data(), static_cast<std::streamsize>(text.size())) && !text.empty())
-    return fail(ErrorKind::kNoInput, fmt::format("{}: cannot be read; is it a regular file?", path));
+  if (kind == fs::file_type::regular) text.reserve(static_cast<std::size_t>(fs::file_size(path, unknown)) + 1);
+  std::array<char, 1 << 16> part{};
+  while (file.read(part.data(), part.size()) || file.gcount() > 0)
+    text.append(part.data(), static_cast<std::size_t>(file.gcount()));
+  if (file.bad()) return fail(ErrorKind::kNoInput, fmt::format("{}: cannot be read to its end", path));
   return parse_recording(text, path, policy);
 }
 

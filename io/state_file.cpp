@@ -2,6 +2,7 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
+#include <sys/file.h>
 #include <unistd.h>
 
 #include <cerrno>
@@ -12,6 +13,21 @@
 #include <span>
 
 namespace stillpoint::io {
+
+class Descriptor {
+ public:
+  explicit Descriptor(int fd) : fd_(fd) {}
+  ~Descriptor() {
+    if (fd_ >= 0) ::close(fd_);
+  }
+  Descriptor(const Descriptor&) = delete;
+  Descriptor& operator=(const Descriptor&) = delete;
+  [[nodiscard]] int get() const { return fd_; }
+
+ private:
+  int fd_;
+};
+
 namespace {
 
 namespace fs = std::filesystem;
@@ -33,20 +49,6 @@ tl::unexpected<Error> cannot(const std::string& what, const std::string& path) {
   return fail(ErrorKind::kCannotCreate,
               fmt::format("{}: {}: {}; the calibration cannot be kept", path, what, std::strerror(errno)));
 }
-
-class Descriptor {
- public:
-  explicit Descriptor(int fd) : fd_(fd) {}
-  ~Descriptor() {
-    if (fd_ >= 0) ::close(fd_);
-  }
-  Descriptor(const Descriptor&) = delete;
-  Descriptor& operator=(const Descriptor&) = delete;
-  [[nodiscard]] int get() const { return fd_; }
-
- private:
-  int fd_;
-};
 
 bool write_all(int fd, const char* data, std::size_t size) {
   while (size > 0) {
@@ -75,13 +77,22 @@ std::string StateStore::path(int age) const {
       .string();
 }
 
-Result<void> StateStore::probe() const {
+Result<void> StateStore::claim() {
   std::error_code error;
   fs::create_directories(directory_, error);
-  const std::string file = path() + ".tmp";
-  const Descriptor fd(::open(file.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC, 0640));
-  if (fd.get() < 0) return cannot("cannot be written", file);
-  ::unlink(file.c_str());
+  const std::string temporary = path() + ".tmp";
+  if (Descriptor(::open(temporary.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC, 0640)).get() < 0)
+    return cannot("cannot be written", temporary);
+  ::unlink(temporary.c_str());
+  const std::string file = (fs::path(directory_) / (sensor_id_ + ".lock")).string();
+  auto lock = std::make_shared<const Descriptor>(::open(file.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC, 0640));
+  if (lock->get() < 0) return cannot("cannot be written", file);
+  if (::flock(lock->get(), LOCK_EX | LOCK_NB) != 0)
+    return fail(ErrorKind::kCannotCreate,
+                fmt::format("{}: another stillpointd keeps the calibration of sensor '{}' here; end it, or give this "
+                            "one another sensor.id or state.directory",
+                            file, sensor_id_));
+  lock_ = std::move(lock);
   return {};
 }
 

@@ -3,6 +3,7 @@
 #pragma once
 #include <cstddef>
 #include <functional>
+#include <memory>
 #include <span>
 #include <string>
 #include <vector>
@@ -11,13 +12,16 @@
 
 namespace stillpoint::io {
 
+class Descriptor;
+
 class StateStore {
  public:
   /// `sensor_id` may not hold '/'. `keep` versions stay, the newest included.
   StateStore(std::string directory, std::string sensor_id, int keep);
 
-  /// Creates the folder and tries to write there, before anything is learnt that could not be kept. Fails with 73.
-  [[nodiscard]] Result<void> probe() const;
+  /// Creates the folder, tries to write there and locks the sensor's files against a second daemon, before anything is
+  /// learnt that could not be kept. Fails with 73. The lock ends with the process, however that ends.
+  [[nodiscard]] Result<void> claim();
 
   /// Temporary file, fsync, the older ones moved up, rename, fsync of the folder. Fails with 73; the older ones stay.
   [[nodiscard]] Result<void> save(std::span<const std::byte> payload) const;
@@ -36,6 +40,7 @@ class StateStore {
   [[nodiscard]] Result<std::vector<std::byte>> read(const std::string& file) const;
   std::string directory_, sensor_id_;
   int keep_;
+  std::shared_ptr<const Descriptor> lock_;
 };
 
 }  // namespace stillpoint::io

@@ -35,7 +35,7 @@ struct SensorReport {
 /// Everything that the two threads share.
 struct Shared {
   CalibrationChannel calibration;
-  SpscRing<Outgoing, 1024> outgoing;
+  SpscRing<Outgoing, 4096> outgoing;  ///< a second at 4 kHz: so long the calibration thread may be kept from running
   SnapshotCell<SensorReport> report;
   LatencyHistogram latency;              ///< arrival to just before the write: lateness of the wake-up included
   LatencyHistogram processing;           ///< of that, what the stages take

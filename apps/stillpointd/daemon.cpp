@@ -7,13 +7,12 @@
 #include <cstring>
 #include <thread>
 
+#include "apps/stillpointd/log.h"
 #include "apps/stillpointd/slow_work.h"
 #include "apps/stillpointd/source.h"
 
 namespace stillpoint::app {
 namespace {
-
-void log(const std::string& line) { fmt::print(stderr, "stillpointd: {}\n", line); }
 
 int report(const Error& error) {
   log(error.message);
@@ -29,6 +28,7 @@ class Signals {
     sigaddset(&set_, SIGINT);
     pthread_sigmask(SIG_BLOCK, &set_, nullptr);
     signal(SIGPIPE, SIG_IGN);
+    signal(SIGXFSZ, SIG_IGN);  // a file that may not grow is an error of its write, not the end
   }
   /// Name of a signal that came within 50 ms.
   [[nodiscard]] const char* poll() const {
@@ -154,7 +154,7 @@ int run_daemon(const io::DaemonConfig& config, const DaemonOptions& options) {
   std::optional<io::StateStore> store;
   if (const std::string directory = state_directory(config.state); !directory.empty()) {
     store.emplace(directory, config.sensor.id, config.state.keep);
-    if (const auto probed = store->probe(); !probed) return report(probed.error());
+    if (const auto claimed = store->claim(); !claimed) return report(claimed.error());
     restore(calibrator, *store);
   }
   const auto publisher = io::DdsPublisher::create(config.dds);

@@ -2,10 +2,10 @@
 
 #include <fmt/format.h>
 
+#include "apps/stillpointd/log.h"
+
 namespace stillpoint::app {
 namespace {
-
-void log(const std::string& line) { fmt::print(stderr, "stillpointd: {}\n", line); }
 
 std::string reason(const TriadCalibration& triad) {
   switch (triad.status) {
@@ -78,6 +78,14 @@ void SlowWork::log_changes(const pipeline::SensorReport& report, bool is_stale) 
             ? "STALE: the source has ended"
             : fmt::format("STALE: no sample for {} s; nothing is repeated", config_.stale_after_s));
   told_stale_ = is_stale;
+  if (const int rivals = publisher_.rival_publishers(); rivals != told_rivals_) {
+    told_rivals_ = rivals;
+    if (rivals > 0)
+      log(
+          fmt::format("{} other program(s) publish '{}' in domain {}: a subscriber gets all of them mixed; give one "
+                      "another dds.domain or dds.attitude_topic",
+                      rivals, config_.dds.attitude_topic, config_.dds.domain));
+  }
   const auto tell = [](std::uint64_t now, std::uint64_t& told, const char* what) {
     if (now > told) log(fmt::format("{} {} so far", now, what));
     told = now;

@@ -38,6 +38,7 @@ class SlowWork {
   std::int64_t start_ns_, last_tick_ns_, last_save_ns_;
   std::uint64_t last_samples_ = 0;
   std::uint64_t told_dropped_ = 0, told_late_ = 0, told_clock_steps_ = 0;
+  int told_rivals_ = 0;
   bool unsaved_ = false, told_stale_ = false, told_save_failure_ = false;
 };
 

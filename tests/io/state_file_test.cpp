@@ -76,9 +76,20 @@ TEST_F(StateFile, OfAnotherSensorOrOfAnotherLayoutIsSetAsideWithAMessage) {
 
 TEST_F(StateFile, AFolderThatCannotBeWrittenIsReportedBeforeAnythingIsLearnt) {
   std::ofstream(folder_ + "/file") << "in the way";
-  const auto probed = StateStore(folder_ + "/file/below", "imu", 1).probe();
-  ASSERT_FALSE(probed.has_value());
-  EXPECT_EQ(probed.error().kind, ErrorKind::kCannotCreate);
+  const auto claimed = StateStore(folder_ + "/file/below", "imu", 1).claim();
+  ASSERT_FALSE(claimed.has_value());
+  EXPECT_EQ(claimed.error().kind, ErrorKind::kCannotCreate);
+}
+
+TEST_F(StateFile, OfOneSensorBelongsToOneDaemonAtATime) {
+  auto first = std::make_unique<StateStore>(folder_, "imu", 1);
+  ASSERT_TRUE(first->claim().has_value());
+  const auto second = StateStore(folder_, "imu", 1).claim();
+  ASSERT_FALSE(second.has_value());
+  EXPECT_NE(second.error().message.find("another stillpointd"), std::string::npos) << second.error().message;
+  EXPECT_TRUE(StateStore(folder_, "other", 1).claim().has_value());
+  first.reset();
+  EXPECT_TRUE(StateStore(folder_, "imu", 1).claim().has_value());
 }
 
 }  // namespace

@@ -1,0 +1,164 @@
+/// What the world does to a daemon: a full disk, a log that nobody reads, too few rights, one core, a twin. Each time
+/// it says what is wrong and keeps what it had.
+#include <sys/resource.h>
+
+#include <thread>
+
+#include "tests/apps/apps_testing.h"
+
+namespace stillpoint::test {
+namespace {
+
+namespace fs = std::filesystem;
+
+class DaemonFaults : public testing::Test {
+ protected:
+  void configure(const std::string& extra = {}, const std::string& speed = "50") {
+    write_file(scratch_ / "d.yaml", "source: {kind: simulation, file: " + configs("sim_handheld.yaml") + ", speed: " +
+                                        speed + "}\nsensor: {id: test}\nstate: {directory: " + (scratch_ / "state") +
+                                        ", save_period_s: 0.1}\ndds: {domain: " + std::to_string(1 + getpid() % 100) +
+                                        ", ros2: false, raw_topic: \"\"}\n" + extra);
+  }
+  /// `before` stands before the program in the shell's line.
+  std::unique_ptr<Process> start(const std::string& before = {}, const std::string& log = "log") {
+    return std::make_unique<Process>(std::vector<std::string>{
+        "/bin/sh", "-c",
+        before + " exec " + wrapper_ + " " STILLPOINTD " --config " + (scratch_ / "d.yaml") + " 2>" + log_file(log)});
+  }
+  [[nodiscard]] std::string log_file(const std::string& log) const { return log[0] == '/' ? log : scratch_ / log; }
+  [[nodiscard]] std::string log(const std::string& name = "log") const { return read_file(scratch_ / name); }
+  [[nodiscard]] bool says(const std::string& text, const std::string& name = "log") const {
+    return within_20_s([&] { return log(name).find(text) != std::string::npos; });
+  }
+  template <class Condition>
+  static bool within_20_s(const Condition& condition) {
+    for (int i = 0; i < 400; ++i) {
+      if (condition()) return true;
+      std::this_thread::sleep_for(std::chrono::milliseconds(50));
+    }
+    return condition();
+  }
+  [[nodiscard]] bool keeps_a_state() const {
+    return within_20_s([this] { return fs::exists(scratch_ / "state/test.state"); });
+  }
+  static int end(Process& daemon) {
+    daemon.send(SIGTERM);
+    return daemon.wait();
+  }
+
+  ScratchFolder scratch_;
+  std::string wrapper_;
+};
+
+TEST_F(DaemonFaults, AFullDiskIsToldOnceAndWhatWasKeptBeforeStays) {
+  configure();
+  auto first = start();
+  ASSERT_TRUE(keeps_a_state()) << log();
+  EXPECT_EQ(end(*first), 0);
+  // Files that may not grow beyond 12 blocks of 512 bytes: room for a short log, not for a state.
+  auto full = start("ulimit -f 12;", "full");
+  EXPECT_TRUE(says("cannot be written whole", "full")) << log("full");
+  EXPECT_TRUE(says("calibration version", "full"));
+  EXPECT_EQ(end(*full), 0) << log("full");
+  const std::string said = log("full");
+  const auto told = said.find("cannot be written whole");
+  EXPECT_EQ(said.find("cannot be written whole", told + 1), std::string::npos) << said;
+  auto again = start("", "again");
+  EXPECT_TRUE(says("state/test.state", "again")) << log("again");
+  EXPECT_EQ(log("again").find("set aside"), std::string::npos) << log("again");
+  EXPECT_EQ(end(*again), 0);
+}
+
+TEST_F(DaemonFaults, ALogThatTakesNothingDoesNotEndIt) {
+  configure();
+  auto daemon = start("", "/dev/full");
+  EXPECT_TRUE(keeps_a_state());
+  EXPECT_EQ(end(*daemon), 0);
+}
+
+TEST_F(DaemonFaults, ADamagedStateIsSetAsideAndTheVersionBeforeServes) {
+  configure();
+  auto daemon = start();
+  ASSERT_TRUE(within_20_s([this] { return fs::exists(scratch_ / "state/test.1.state"); })) << log();
+  EXPECT_EQ(end(*daemon), 0);
+  fs::resize_file(scratch_ / "state/test.state", fs::file_size(scratch_ / "state/test.state") / 2);
+  auto again = start("", "again");
+  EXPECT_TRUE(says("test.state: damaged: length or checksum is wrong; set aside as", "again")) << log("again");
+  EXPECT_TRUE(says("state/test.1.state", "again")) << log("again");
+  EXPECT_EQ(end(*again), 0);
+  EXPECT_TRUE(fs::exists(scratch_ / "state/test.state.damaged"));
+}
+
+TEST_F(DaemonFaults, ATwinOfTheSameSensorIsRefusedAndOneOfAnotherIsTold) {
+  configure("", "1");
+  auto first = start();
+  ASSERT_TRUE(says("sensor test, source")) << log();
+  auto twin = start("", "twin");
+  EXPECT_EQ(twin->wait(), 73);
+  EXPECT_NE(log("twin").find("another stillpointd keeps the calibration of sensor 'test'"), std::string::npos)
+      << log("twin");
+  std::string other = read_file(scratch_ / "d.yaml");
+  other.replace(other.find("id: test"), 8, "id: other");
+  write_file(scratch_ / "d.yaml", other);
+  auto second = start("", "second");
+  EXPECT_TRUE(says("publish 'stillpoint/attitude' in domain", "second")) << log("second");
+  EXPECT_TRUE(says("publish 'stillpoint/attitude' in domain")) << log();
+  EXPECT_EQ(end(*second), 0);
+  EXPECT_EQ(end(*first), 0);
+}
+
+TEST_F(DaemonFaults, OneCoreIsEnough) {
+  configure();
+  wrapper_ = "taskset -c 0";
+  auto daemon = start();
+  EXPECT_TRUE(keeps_a_state()) << log();
+  EXPECT_EQ(end(*daemon), 0);
+  EXPECT_NE(log().find("refused=0"), std::string::npos) << log();
+}
+
+TEST_F(DaemonFaults, WithoutTheRightsItSaysWhatIsRefusedAndRunsOn) {
+  if (geteuid() != 0) GTEST_SKIP() << "only root can give its rights away";
+  configure("threads: {sensor_core: 1023, fifo_priority: 50, lock_memory: true}\n");
+  fs::create_directory(scratch_ / "state");
+  fs::permissions(scratch_ / "", fs::perms::all);
+  fs::permissions(scratch_ / "state", fs::perms::all);
+  wrapper_ = "setpriv --reuid=65534 --regid=65534 --clear-groups";
+  if (run(wrapper_ + " test -r " + configs("sim_handheld.yaml"), scratch_ / "rights") != 0)
+    GTEST_SKIP() << "the project's folder is not open to other users";
+  auto daemon = start("ulimit -l 64;");
+  EXPECT_TRUE(keeps_a_state()) << log();
+  EXPECT_EQ(end(*daemon), 0);
+  EXPECT_NE(log().find("normal scheduling instead of SCHED_FIFO 50"), std::string::npos) << log();
+  EXPECT_NE(log().find("memory stays unlocked"), std::string::npos) << log();
+  EXPECT_NE(log().find("not pinned to core 1023"), std::string::npos) << log();
+
+  fs::permissions(scratch_ / "state", fs::perms::owner_read | fs::perms::owner_exec | fs::perms::others_exec);
+  auto refused = start("", "refused");
+  EXPECT_EQ(refused->wait(), 73) << log("refused");
+  EXPECT_NE(log("refused").find("Permission denied"), std::string::npos) << log("refused");
+}
+
+TEST_F(DaemonFaults, AFolderOrADeviceInPlaceOfARecordingIsSaidToBeNone) {
+  for (const std::string path : {"/tmp", "/dev/zero"}) {
+    write_file(scratch_ / "d.yaml", "source: {kind: recording, file: " + path + "}\n");
+    EXPECT_EQ(run(STILLPOINTD " --config " + (scratch_ / "d.yaml"), scratch_ / "log"), 66) << path;
+    EXPECT_NE(log().find("neither a file nor a pipe"), std::string::npos) << log();
+  }
+}
+
+TEST_F(DaemonFaults, ARecordingComesThroughAPipeAndMayVanishWhileItIsReplayed) {
+  const std::string rows =
+      "time_s,acc_x_mps2,acc_y_mps2,acc_z_mps2\n0,0,0,9.8\n0.01,0,0,9.8\n0.02,0,0,9.8\n1.5,0,0,9.8\n";
+  write_file(scratch_ / "r.csv", rows);
+  write_file(scratch_ / "d.yaml",
+             "source: {kind: recording, file: pipe}\ndds: {domain: " + std::to_string(1 + getpid() % 100) + "}\n");
+  auto daemon = start("cd " + (scratch_ / "") + "; mkfifo pipe; cat r.csv > pipe &");
+  EXPECT_TRUE(says("source ")) << log();
+  fs::remove(scratch_ / "r.csv");
+  fs::remove(scratch_ / "pipe");
+  EXPECT_EQ(daemon->wait(), 0) << log();
+  EXPECT_NE(log().find("samples=4 published=4"), std::string::npos) << log();
+}
+
+}  // namespace
+}  // namespace stillpoint::test
