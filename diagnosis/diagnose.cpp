@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "diagnosis/finding_effect.h"
 #include "diagnosis/findings.h"
 #include "diagnosis/forensics.h"
 #include "diagnosis/given_effects.h"
@@ -66,6 +67,16 @@ void mute_lattice_at_rest(Signals& s, const Forensics& forensics) {
   }
 }
 
+bool contains(const std::vector<sim::EffectConfig>& effects, const std::string& id) {
+  return std::any_of(effects.begin(), effects.end(), [&id](const auto& e) { return e.id == id; });
+}
+
+/// Faults of single readings: their being in the simulation is what silences them; no residual predicts them.
+bool shows_in_raw_values(const std::string& id) {
+  return id.ends_with("_quant") || id.ends_with("_sat") || id.ends_with("_drift") || id == "mag_hold" ||
+         id == "sys_dup" || id == "gyr_deadzone";
+}
+
 Verdict verdict_of(const Diagnosis& d) {
   std::size_t unknown = 0;
   for (const Finding& f : d.findings) unknown += f.effect.rfind("unknown", 0) == 0 ? 1 : 0;
@@ -76,7 +87,8 @@ Verdict verdict_of(const Diagnosis& d) {
 
 }  // namespace
 
-Answer diagnose(const io::Recording& recording, const sim::SimulationConfig& given) {
+Answer diagnose(const io::Recording& recording, const sim::SimulationConfig& given,
+                const std::vector<std::string>& without) {
   sim::SimulationConfig simulation = given;
   Answer answer;
   if (recording.size() < 20) return insufficient("the recording has fewer than 20 rows; record at least a minute");
@@ -91,8 +103,11 @@ Answer diagnose(const io::Recording& recording, const sim::SimulationConfig& giv
   if (sanity.unusable[kGyr]) simulation.gyroscope.reset();
   if (sanity.unusable[kMag]) simulation.magnetometer.reset();
   if (recording.ref_q_world_body.empty() || sanity.reference_unusable) {
-    answer.diagnosis = diagnose_without_reference(recording, simulation);
+    answer.diagnosis = diagnose_without_reference(recording, simulation, without);
     answer.diagnosis.notices.insert(answer.diagnosis.notices.begin(), sanity.notices.begin(), sanity.notices.end());
+    answer.effects = forensics.effects;
+    for (const Finding& f : answer.diagnosis.findings)
+      if (auto e = effect_of(f); e && !contains(answer.effects, e->id)) answer.effects.push_back(std::move(*e));
     return answer;
   }
   Result<Signals> made = make_signals(recording, simulation, masks(forensics));
@@ -103,15 +118,17 @@ Answer diagnose(const io::Recording& recording, const sim::SimulationConfig& giv
         fmt::format("{:.1f} s of recording are too short; record at least {:.0f} s", s.duration_s(), kShortest_s),
         std::move(answer));
   for (const std::string& id : subtract_effects(s, simulation.effects))
-    answer.diagnosis.notices.push_back(
-        fmt::format("effect {} of the simulation cannot be predicted from the recording; left in", id));
+    if (!shows_in_raw_values(id))
+      answer.diagnosis.notices.push_back(
+          fmt::format("effect {} of the simulation cannot be predicted from the recording; left in", id));
   mute_lattice_at_rest(s, forensics);
   compare_noise(s, answer);
   const auto factor =
       static_cast<Eigen::Index>(std::floor(std::min(static_cast<double>(s.n) / kMostSamples, kFastEnough_s / s.dt_s)));
   if (factor > 1) s = thinned(s, factor);
-  const EngineResult engine = search_all(s);
+  const EngineResult engine = search_all(s, without);
   answer.diagnosis.findings = forensics.findings;
+  answer.effects = forensics.effects;
   const std::size_t kept = answer.diagnosis.findings.size();
   std::vector<Sensor> order;  // whoever sees an effect of the whole clock best speaks first
   for (const SystemEffect& e : engine.system)

@@ -1,6 +1,7 @@
 /// The whole diagnosis of one recording against one simulation: input checks, forensics on raw values, the search for
 /// missing physics, and the answer of result.h.
 #pragma once
+#include <string>
 #include <vector>
 
 #include "diagnosis/result.h"
@@ -16,7 +17,9 @@ struct Answer {
 };
 
 /// Never fails: what cannot be judged is the verdict insufficient_data, with the reason among the notices.
-/// Effects that the simulation already has are taken out before anything is looked for.
-[[nodiscard]] Answer diagnose(const io::Recording& recording, const sim::SimulationConfig& simulation);
+/// Effects that the simulation already has are taken out before anything is looked for. `without`: laws that are taken
+/// out of the library, to see what is said when the true one is not in it.
+[[nodiscard]] Answer diagnose(const io::Recording& recording, const sim::SimulationConfig& simulation,
+                              const std::vector<std::string>& without = {});
 
 }  // namespace stillpoint::diag

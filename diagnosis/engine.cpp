@@ -1,5 +1,6 @@
 #include "diagnosis/engine.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace stillpoint::diag {
@@ -7,6 +8,10 @@ namespace {
 
 constexpr int kMostEffects = 3;  // of one sensor
 constexpr double kClearNats = 3.0;
+
+bool holds(const std::vector<std::string>& list, const std::string& id) {
+  return std::find(list.begin(), list.end(), id) != list.end();
+}
 
 bool concerns_the_clock(const Found& f) {
   return f.kind == Kind::kTiming &&
@@ -65,12 +70,14 @@ bool joins_all(const Signals& s, EngineResult& r, Sensor lead, Found& f, std::ve
 
 }  // namespace
 
-EngineResult search_all(const Signals& s) {
+EngineResult search_all(const Signals& s, const std::vector<std::string>& without) {
   EngineResult r;
   std::array<bool, kSensors> open{};
   for (const Sensor k : {kAcc, kGyr, kMag}) {
     if (!s.present[k] || s.residual[k].rows() == 0) continue;
     r.sensor[k] = start_search(s, k);
+    std::erase_if(r.sensor[k]->laws, [&without](const Law& law) { return holds(without, law.id); });
+    r.sensor[k]->deleted = without;
     open[k] = r.sensor[k]->target.layout.used() > 200;
   }
   for (int round = 0; round < kMostEffects; ++round) {

@@ -15,7 +15,7 @@ struct EngineResult {
   std::vector<SystemEffect> system;
 };
 
-/// Pre: the signals have an orientation.
-[[nodiscard]] EngineResult search_all(const Signals& s);
+/// Pre: the signals have an orientation. `without`: names that are not in the library this time.
+[[nodiscard]] EngineResult search_all(const Signals& s, const std::vector<std::string>& without = {});
 
 }  // namespace stillpoint::diag

@@ -204,7 +204,11 @@ void configuration_of(const Signals& s, const SensorSearch& search, const Finish
                              kSensorUnit[search.sensor])});
   if (chi_square_tail(matrix, 9.0) < kConfigurationP && map.norm() > 1e-3)
     answer.diagnosis.configuration.push_back(
-        {sensor, fmt::format("matrix wrong by {:.2g} % (largest entry)", 100.0 * map.cwiseAbs().maxCoeff())});
+        {sensor, fmt::format("matrix wrong by {:.2g} % (largest entry): reads (1 + D) times the truth, D in % = "
+                             "[[{:.2f}, {:.2f}, {:.2f}], [{:.2f}, {:.2f}, {:.2f}], [{:.2f}, {:.2f}, {:.2f}]]",
+                             100.0 * map.cwiseAbs().maxCoeff(), 100 * map(0, 0), 100 * map(0, 1), 100 * map(0, 2),
+                             100 * map(1, 0), 100 * map(1, 1), 100 * map(1, 2), 100 * map(2, 0), 100 * map(2, 1),
+                             100 * map(2, 2))});
 }
 
 void residual_of(const Signals& s, const SensorSearch& search, const Finished& finished, Answer& answer) {

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "diagnosis/finding_effect.h"
 #include "diagnosis/forensics_detail.h"
 
 namespace stillpoint::diag {
@@ -75,8 +76,18 @@ class Examination {
     f.confidence = 0.999;
     return f;
   }
+  /// A lattice that is there in one part of the recording only; all other faults show where the motion shows them.
+  [[nodiscard]] bool lasts_a_while_only(const Finding& f) const {
+    const double span_s = t(recording_.size() - 1) - t(0);
+    return f.effect.ends_with("_quant") && f.interval_s[1] - f.interval_s[0] < 0.95 * span_s;
+  }
   void state(Finding f, std::size_t spoiled_rows) {
-    if (!simulated(f.effect)) order_.emplace_back(spoiled_rows, std::move(f));
+    if (simulated(f.effect)) return;
+    if (auto e = effect_of(f)) {
+      if (lasts_a_while_only(f)) e->window_s = {f.interval_s[0] - t(0), f.interval_s[1] - t(0)};
+      out_.effects.push_back(std::move(*e));
+    }
+    order_.emplace_back(spoiled_rows, std::move(f));
   }
   void mute(Sensor s, std::size_t row) {
     auto& m = out_.sensor[s].muted;

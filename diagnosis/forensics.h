@@ -28,6 +28,7 @@ struct SensorForensics {
 
 struct Forensics {
   std::vector<Finding> findings;  ///< most samples spoiled first; effects that the simulation already has are left out
+  std::vector<sim::EffectConfig> effects;  ///< the same as entries for the simulation
   std::array<SensorForensics, 3> sensor;
   std::vector<std::string> notices;
 

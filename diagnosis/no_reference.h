@@ -3,6 +3,9 @@
 /// while the integrated gyro turns it in the body. What remains is explained by the laws of docs/physics.md or by none.
 /// The accelerometer has no witness here: the verdict on it is "insufficient data", with what to record.
 #pragma once
+#include <string>
+#include <vector>
+
 #include "diagnosis/result.h"
 #include "io/recording.h"
 #include "simulation/config.h"
@@ -10,7 +13,9 @@
 namespace stillpoint::diag {
 
 /// Works on recordings with rest windows (three or more); otherwise the verdict is insufficient data and says so.
+/// What the simulation's effects predict is taken out first. `without`: laws that must not be named.
 [[nodiscard]] Diagnosis diagnose_without_reference(const io::Recording& recording,
-                                                   const sim::SimulationConfig& simulation);
+                                                   const sim::SimulationConfig& simulation,
+                                                   const std::vector<std::string>& without = {});
 
 }  // namespace stillpoint::diag

@@ -210,7 +210,8 @@ bool lies_still(const io::Recording& r) {
   return moving * 500 < r.size();
 }
 
-Diagnosis diagnose_still(const io::Recording& r, const sim::SimulationConfig& simulation) {
+Diagnosis diagnose_still(const io::Recording& r, const sim::SimulationConfig& simulation,
+                         const std::vector<std::string>& without) {
   Diagnosis d;
   d.abstention_nats = kAbstain_nats;
   for (const Sensor sensor : {kGyr, kAcc}) {
@@ -219,6 +220,7 @@ Diagnosis diagnose_still(const io::Recording& r, const sim::SimulationConfig& si
     std::optional<Finding> best;
     double best_score = kAbstain_nats;
     for (const auto& law : laws_of(s, kSensorName[sensor], kSensorUnit[sensor])) {
+      if (std::find(without.begin(), without.end(), law.id) != without.end()) continue;
       const Judged j = judge(s, law.columns);
       const double score =
           j.gain - 0.5 * 3.0 * static_cast<double>(law.columns.cols()) * std::log(static_cast<double>(s.mean.rows())) -

@@ -1,5 +1,6 @@
 /// A recording that lies still throughout: offsets against temperature and supply, with a random walk as the rival.
 #pragma once
+#include <string>
 #include <vector>
 
 #include "diagnosis/result.h"
@@ -13,6 +14,7 @@ namespace stillpoint::diag::detail {
 
 /// Gyroscope and accelerometer offsets in one attitude. A law must beat the walk: it is fitted to the increments of the
 /// cell means, in which a random walk is white.
-[[nodiscard]] Diagnosis diagnose_still(const io::Recording& recording, const sim::SimulationConfig& simulation);
+[[nodiscard]] Diagnosis diagnose_still(const io::Recording& recording, const sim::SimulationConfig& simulation,
+                                       const std::vector<std::string>& without = {});
 
 }  // namespace stillpoint::diag::detail

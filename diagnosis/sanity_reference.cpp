@@ -3,6 +3,7 @@
 
 #include <Eigen/SVD>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <functional>
 
@@ -12,9 +13,10 @@
 namespace stillpoint::diag::detail {
 namespace {
 
-constexpr double kAgree_rad = 0.45;          // median angle between measured and predicted specific force
-constexpr double kAnswer_rad = 0.35;         // a convention is named when it brings the angle below this
-constexpr double kLateness_s = 0.15;         // lags up to this are physics (T1), larger ones are a mix-up
+constexpr double kAgree_rad = 0.45;   // median angle between measured and predicted specific force
+constexpr double kAnswer_rad = 0.35;  // a convention is named when it brings the angle below this
+constexpr double kLateness_s = 0.15;  // lags up to this are physics (T1), larger ones are a mix-up
+constexpr std::size_t kParts = 4;
 constexpr double kPositionStencil_s = 0.06;  // second differences over this long, against the noise of the position
 
 using Convention = std::function<Quat(const Eigen::Vector4d&)>;
@@ -62,15 +64,21 @@ class Comparison {
     return median(angles);
   }
 
-  /// Share of the measured rate explained by the reference's, 1 - residual/total over the moving rows.
+  /// Share of the measured rate explained by the reference's, 1 - residual/total over the moving rows, in the quarter
+  /// of the recording where it is highest: a wrong convention is wrong everywhere, lost samples only after the loss.
   [[nodiscard]] double rate_agreement(const Convention& to_enu) const {
-    double residual = 0, total = 0;
+    std::array<double, kParts> residual{}, total{};
     for (std::size_t i = stencil_; i + stencil_ < r_.size(); i += stride_) {
       Vec3 measured, predicted;
       if (!rate(i, to_enu, measured, predicted)) continue;
-      residual += (measured - predicted).squaredNorm(), total += measured.squaredNorm();
+      const std::size_t part = i * kParts / r_.size();
+      residual[part] += (measured - predicted).squaredNorm(), total[part] += measured.squaredNorm();
     }
-    return total > 0 ? 1.0 - residual / total : 1.0;
+    double best = -1.0;
+    bool any = false;
+    for (std::size_t part = 0; part < kParts; ++part)
+      if (total[part] > 0) best = std::max(best, 1.0 - residual[part] / total[part]), any = true;
+    return any ? best : 1.0;
   }
 
   bool force(std::size_t i, const Convention& to_enu, Vec3& measured, Vec3& predicted) const {

@@ -193,6 +193,7 @@ std::vector<Found> refine_timing(const Signals& s, const SensorSearch& search, c
   if (!wanted || responds(search)) return out;
   if (gap_begin > 0) gap_begin = refine_gap(s, search, noise, gap_begin);
   for (const TimingLaw& law : make_timing_laws(s, search.sensor, gap_begin)) {
+    if (std::find(search.deleted.begin(), search.deleted.end(), law.id) != search.deleted.end()) continue;
     const TimingFit fit = fit_timing(search.target, search.explained(), noise, law);
     if (fit.gain_nats < 0) continue;
     Target shifted = search.target;

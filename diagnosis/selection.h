@@ -36,6 +36,7 @@ struct SensorSearch {
   Sensor sensor = kAcc;
   Target target;  ///< residual: timing offsets already subtracted
   std::vector<Law> laws, unknown;
+  std::vector<std::string> deleted;  ///< timing laws that are not in the library this time
   std::vector<Found> found;
   std::vector<Ranked> ranking;     ///< of the first round
   std::vector<Ranked> last_round;  ///< of the newest round, best first

@@ -11,12 +11,14 @@
 #include "io/config.h"
 #include "io/recording.h"
 #include "io/simulation_yaml.h"
+#include "simulation/effect_catalogue.h"
 
 namespace stillpoint::app {
 namespace {
 
 struct Options {
   std::string simulation, recording, json, report, improved, validate;
+  std::vector<std::string> without;
   bool fail_on_mismatch = false;
 };
 
@@ -51,7 +53,7 @@ int run_diagnose(const Options& o) {
   if (!simulation) return report(simulation.error());
   const auto recording = io::read_recording(o.recording, io::OnMalformedRow::kCount);
   if (!recording) return report(recording.error());
-  diag::Answer answer = diag::diagnose(*recording, *simulation);
+  diag::Answer answer = diag::diagnose(*recording, *simulation, o.without);
   for (const auto& line : io::describe(recording->issues)) answer.diagnosis.notices.push_back(line);
   const bool quiet = o.json == "-";
   if (!quiet) std::fputs(diag::to_text(answer.diagnosis).c_str(), stdout);
@@ -88,6 +90,13 @@ void add_diagnose(CLI::App& app, Run& run) {
   command->add_option("--report", o.report, "write the report (HTML, one file)");
   command->add_option("--improved", o.improved, "write the simulation with the found physics in it (YAML)");
   command->add_option("--validate", o.validate, "judge the improved simulation on another recording (CSV)");
+  command
+      ->add_option("--without-law", o.without,
+                   "take this law (an ID of `stillpoint effects`) out of the library, to see what is said when it is "
+                   "not known; may be repeated")
+      ->check([](const std::string& id) {
+        return sim::find_effect(id) != nullptr ? std::string() : id + ": no such effect; see stillpoint effects";
+      });
   command->add_flag("--fail-on-mismatch", o.fail_on_mismatch, "exit with 1 when something is found");
   command->callback([&run] { run = [] { return run_diagnose(o); }; });
 }

@@ -1,0 +1,15 @@
+/// From a finding to the entry of a simulation's `effects:` that it stands for.
+#pragma once
+#include <optional>
+
+#include "diagnosis/result.h"
+#include "simulation/config.h"
+
+namespace stillpoint::diag {
+
+/// The finding's numbers under the catalogue's keys: "k_x" and its neighbours become the list k_..., "t0" the time.
+/// nullopt: not in the catalogue, or a number that the catalogue requires was not found. Where a number is known of
+/// some axes only, the entry acts on those.
+[[nodiscard]] std::optional<sim::EffectConfig> effect_of(const Finding& finding);
+
+}  // namespace stillpoint::diag
