@@ -67,6 +67,19 @@ void mute_lattice_at_rest(Signals& s, const Forensics& forensics) {
   }
 }
 
+/// Steps coarser than the noise follow the motion: what looks like a law outside the catalogue, and is smaller than a
+/// step, is the lattice.
+void drop_traces_of_lattices(const Signals& s, const Forensics& forensics, std::vector<Finding>& findings) {
+  for (std::size_t k = 0; k < kSensors; ++k) {
+    const double step = forensics.sensor[k].lattice_step.maxCoeff();
+    if (!s.present[k] || !forensics.sensor[k].quantised || step < s.noise_sd[k]) continue;
+    std::erase_if(findings, [&](const Finding& f) {
+      return f.effect.starts_with("unknown") && !f.channels.empty() && f.channels.front().starts_with(kSensorName[k]) &&
+             f.held_out.rms_before < step;
+    });
+  }
+}
+
 bool contains(const std::vector<sim::EffectConfig>& effects, const std::string& id) {
   return std::any_of(effects.begin(), effects.end(), [&id](const auto& e) { return e.id == id; });
 }
@@ -140,6 +153,7 @@ Answer diagnose(const io::Recording& recording, const sim::SimulationConfig& giv
   std::stable_sort(answer.diagnosis.findings.begin() + static_cast<std::ptrdiff_t>(kept),
                    answer.diagnosis.findings.end(),
                    [](const Finding& a, const Finding& b) { return a.held_out.gain_nats > b.held_out.gain_nats; });
+  drop_traces_of_lattices(s, forensics, answer.diagnosis.findings);
   for (const auto& n : s.notices) answer.diagnosis.notices.push_back(n);
   std::sort(answer.diagnosis.ranking.begin(), answer.diagnosis.ranking.end(),
             [](const RankedHypothesis& a, const RankedHypothesis& b) { return a.gain_nats > b.gain_nats; });

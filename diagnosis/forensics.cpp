@@ -21,6 +21,11 @@ double wilson(double k, double n, double z) {
   return (centre + z * std::sqrt(p * (1 - p) / n + z * z / (4 * n * n))) / (1 + z * z / n);
 }
 
+std::vector<double> scaled(std::vector<double> values, double unit) {
+  for (double& v : values) v *= unit;
+  return values;
+}
+
 class Examination {
  public:
   Examination(const io::Recording& recording, const sim::SimulationConfig& simulation)
@@ -34,6 +39,7 @@ class Examination {
       if (axes_[s].empty()) continue;
       examine_hold(s);
       examine_rails(s);
+      if (!out_.sensor[s].saturated) examine_peaks(s);
       if (s == kGyr) examine_dead_zone();
       examine_lattice(s);
     }
@@ -192,6 +198,37 @@ class Examination {
     f.regime = fmt::format("only at the limit: {} readings lie on it, run into it and leave it steeply", spoiled);
     f.decided_by = "already decided: readings pile up at one value; a larger range setting removes it";
     state(std::move(f), spoiled);
+  }
+
+  void examine_peaks(Sensor s) {
+    static const std::vector<double> none,
+        acc_mps2 = scaled({2, 4, 6, 8, 12, 16, 20, 24, 32, 40, 64, 100, 200, 400}, 9.80665),
+        gyr_radps = scaled({125, 250, 450, 500, 1000, 2000, 4000}, M_PI / 180.0);
+    const auto peaks = detail::find_clipped_peaks(axes_[s], s == kAcc ? acc_mps2 : s == kGyr ? gyr_radps : none);
+    if (!peaks) return;
+    std::array<bool, 3> hit{};
+    std::size_t first = recording_.size(), last = 0;
+    for (const auto& [axis, row] : peaks->rows) {
+      mute(s, row);
+      hit[static_cast<std::size_t>(axis)] = true;
+      first = std::min(first, row), last = std::max(last, row);
+    }
+    std::vector<std::string> channels;
+    for (int i = 0; i < 3; ++i)
+      if (hit[static_cast<std::size_t>(i)]) channels.push_back(channel(s, i));
+    out_.sensor[s].saturated = true;
+    Finding f = make(fmt::format("{}_sat", kSensorName[s]), std::move(channels), first, last);
+    f.parameters = {{"level", peaks->level, {peaks->low, peaks->high}, kSensorUnit[s]}};
+    f.equation = "y = clip(y, +-level)";
+    f.driver = "the reading itself";
+    f.regime = fmt::format(
+        "shocks only: the {} highest readings, of several axes, agree to {:.2f} % and lie at a customary range, "
+        "although "
+        "nothing piles up at one number: a calibration after the rail pulls them apart",
+        peaks->rows.size(), 100.0 * (peaks->high - peaks->low) / peaks->level);
+    f.p_value = 1e-3, f.confidence = 0.95;
+    f.decided_by = "the readings before the factory calibration, or a larger range setting";
+    state(std::move(f), peaks->rows.size());
   }
 
   void examine_dead_zone() {

@@ -33,6 +33,16 @@ void examine_lattice(Axis& axis, std::size_t block_rows);
 /// Highest (sign +1) or lowest (sign -1) level at which readings pile up while the body moves; none without a pile.
 [[nodiscard]] std::optional<Rail> find_rail(const Axis& axis, double sign);
 
+struct ClippedPeaks {
+  double level = 0.0, low = 0.0, high = 0.0;      ///< size of the reading at the rail, over all axes
+  std::vector<std::pair<int, std::size_t>> rows;  ///< axis and row
+};
+/// Rails that a factory calibration has pulled apart: the highest peaks of at least two axes are alike to half a
+/// percent and stand near a customary range, each rises from far below within a row, and the next lower reading is far
+/// off.
+[[nodiscard]] std::optional<ClippedPeaks> find_clipped_peaks(std::span<const Axis> axes,
+                                                             std::span<const double> ranges);
+
 struct DeadZone {
   double width = 0.0;  ///< median of its posterior
   std::array<double, 2> ci95{};

@@ -9,7 +9,11 @@ namespace {
 
 constexpr std::size_t kLeastPile = 4;
 constexpr double kPileOverNeighbours = 8.0;  // readings on the rail against those on the steps beside it
-constexpr double kSameStep = 1e-3;           // relative; two blocks with the same lattice
+constexpr std::size_t kLeastPeaks = 3;
+constexpr double kAlike = 0.005, kNearRange = 0.03;  // what a factory calibration moves a rail by
+constexpr double kApart = 4.0;                       // to the next lower reading, in the spread of the peaks
+constexpr double kFarBelow = 0.75;
+constexpr double kSameStep = 1e-3;  // relative; two blocks with the same lattice
 
 struct Run {
   std::size_t first, last;  // rows, inclusive
@@ -102,6 +106,42 @@ std::optional<Rail> find_rail(const Axis& axis, double sign) {
   // Where the limit held only for a while, larger readings stand elsewhere.
   const double common = most_common(axis, sign, extreme / 3.0);
   return common > 0 ? try_rail(axis, sign, common) : std::nullopt;
+}
+
+std::optional<ClippedPeaks> find_clipped_peaks(std::span<const Axis> axes, std::span<const double> ranges) {
+  struct Reading {
+    double size;
+    int axis;
+    std::size_t row;
+  };
+  std::vector<Reading> top;
+  for (std::size_t k = 0; k < axes.size(); ++k)
+    for (std::size_t i = 1; i + 1 < axes[k].y.size(); ++i)
+      if (std::isfinite(axes[k].y[i])) top.push_back({std::abs(axes[k].y[i]), static_cast<int>(k), i});
+  if (top.size() < 1000) return std::nullopt;
+  const auto more = [](const Reading& a, const Reading& b) { return a.size > b.size; };
+  std::partial_sort(top.begin(), top.begin() + 12, top.end(), more);
+  top.resize(12);
+  std::size_t alike = 1;
+  while (alike < top.size() && top[alike].size > (1.0 - kAlike) * top.front().size) ++alike;
+  if (alike < kLeastPeaks || alike == top.size()) return std::nullopt;
+  const double low = top[alike - 1].size, high = top.front().size, spread = std::max(high - low, 1e-3 * high);
+  if (low - top[alike].size < kApart * spread) return std::nullopt;
+  const double level = 0.5 * (low + high);
+  if (std::none_of(ranges.begin(), ranges.end(),
+                   [&](double range) { return std::abs(level - range) < kNearRange * range; }))
+    return std::nullopt;
+  ClippedPeaks peaks{level, low, high, {}};
+  std::size_t axes_hit = 0;
+  for (std::size_t i = 0; i < alike; ++i) {
+    const Axis& a = axes[static_cast<std::size_t>(top[i].axis)];
+    const double before = std::abs(a.y[top[i].row - 1]), after = std::abs(a.y[top[i].row + 1]);
+    if (!(std::min(before, after) < kFarBelow * low)) return std::nullopt;
+    axes_hit |= std::size_t{1} << static_cast<unsigned>(top[i].axis);
+    peaks.rows.emplace_back(top[i].axis, top[i].row);
+  }
+  if ((axes_hit & (axes_hit - 1)) == 0) return std::nullopt;  // one axis alone may repeat its own shock
+  return peaks;
 }
 
 std::optional<DeadZone> find_dead_zone(std::span<const Axis> axes) {

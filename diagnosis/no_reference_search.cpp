@@ -8,6 +8,7 @@ namespace stillpoint::diag::detail {
 namespace {
 
 constexpr double kLargestTau_s = 0.1;
+constexpr int kPassesOfGiven = 4;
 
 /// BIC charge for the coefficients, and the logarithm of the number of places and names searched.
 double charge(std::size_t coefficients, std::size_t grid, std::size_t names, std::size_t observations) {
@@ -121,8 +122,15 @@ void take_out_given(SelfConsistency& model, const std::vector<WitnessedLaw>& law
       const double t0 = law.grid_name == "t0" ? model.recording().t_s(0) : 0.0;
       const Eigen::VectorXd value = values_for(law, e);
       if (value.size() == 0 || (!law.grid_name.empty() && shape == e.parameters.end())) continue;
-      const auto columns = law.columns(law.grid_name.empty() ? 0.0 : t0 + shape->second.front());
-      model.replace({}, {}, columns, value);
+      const double g = law.grid_name.empty() ? 0.0 : t0 + shape->second.front();
+      std::vector<LawColumn> taken;
+      Eigen::VectorXd taken_value;
+      for (int pass = 0; pass < kPassesOfGiven; ++pass) {  // the driver moves with the calibration that follows
+        auto columns = law.columns(g);
+        model.replace(taken, taken_value, columns, value);
+        taken = std::move(columns);
+        taken_value = value;
+      }
     }
 }
 

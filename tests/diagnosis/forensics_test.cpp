@@ -133,6 +133,20 @@ TEST(Forensics, FindsALevelThatHeldForAWhile) {
   EXPECT_LT(f.findings[0].interval_s[1], 85.0);
 }
 
+TEST(Forensics, FindsARailThatACalibrationHasPulledApart) {
+  auto r = hand_motion(21);
+  const std::vector<std::pair<int, double>> shocks{{0, 157.3}, {1, -157.0}, {0, 156.7}, {2, 131.0}, {1, 90.0}};
+  for (std::size_t k = 0; k < shocks.size(); ++k) r.acc_mps2[500 + 400 * k][shocks[k].first] = shocks[k].second;
+  const auto f = examine_raw_values(r, baseline());
+  ASSERT_EQ(f.findings.size(), 1U);
+  EXPECT_EQ(f.findings[0].effect, "acc_sat");
+  EXPECT_NEAR(f.findings[0].parameters[0].value, 157.0, 0.4);
+  ASSERT_EQ(f.effects.size(), 1U) << "the improved simulation clips";
+  auto other = r;
+  other.acc_mps2[500][0] = 150.0;  // shocks of different sizes are no rail
+  EXPECT_TRUE(examine_raw_values(other, baseline()).findings.empty());
+}
+
 TEST(Forensics, DoesNotTakeABodyAtRestOnACoarseLatticeForSaturation) {
   io::Recording r = hand_motion(8);
   for (auto& a : r.acc_mps2) {  // the largest reading is that at rest, and repeats for seconds on a lattice of 0.1
