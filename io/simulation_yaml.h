@@ -9,12 +9,13 @@
 namespace stillpoint::io {
 
 /// Every fault is named with file:line:column: unknown keys and effect IDs (with the nearest known one), missing or
-/// surplus parameters, a wrong count of numbers, values out of range, axes or a window where the effect knows none.
+/// surplus parameters, a wrong count of numbers, values out of range, sensors where the effect has no choice of them.
 /// Exit codes 66 (no file), 78.
 [[nodiscard]] Result<sim::SimulationConfig> read_simulation(const std::string& path);
 [[nodiscard]] Result<sim::SimulationConfig> parse_simulation(const std::string& text, const std::string& name);
 
-/// One entry of an `effects:` or `compensate:` list: {effect: ID, parameters..., axes: [x], window_s: [a, b]}.
+/// One entry of an `effects:` or `compensate:` list: {effect: ID, parameters..., axes: [x],
+/// sensors: [acc], window_s: [a, b]}.
 void read_effect(const YAML::Node& entry, sim::EffectConfig& out, YamlFaults& faults);
 
 /// Text that reads back to an equal configuration. Defaults are left out of the optional blocks.

@@ -12,6 +12,14 @@
 
 namespace stillpoint::sim {
 
+enum class Sensor { kAcc, kGyr, kMag };
+inline constexpr Sensor kSensors[] = {Sensor::kAcc, Sensor::kGyr, Sensor::kMag};
+
+/// "acc", "gyr" or "mag": how the IDs of the sensor's own effects begin.
+[[nodiscard]] constexpr const char* prefix(Sensor sensor) noexcept {
+  return sensor == Sensor::kAcc ? "acc" : sensor == Sensor::kGyr ? "gyr" : "mag";
+}
+
 /// One triad as configured, in the unit of the reading. The noise is added to y, the reading.
 struct TriadConfig {
   Vec3 bias = Vec3::Zero();
@@ -29,6 +37,7 @@ struct EffectConfig {
   std::string id;
   std::map<std::string, std::vector<double>> parameters;
   std::vector<int> axes;                              ///< 0, 1, 2; empty: all
+  std::vector<Sensor> sensors;                        ///< of an effect on several sensors; empty: all it acts on
   std::optional<std::pair<double, double>> window_s;  ///< from the start of the recording; none: all the time
 };
 

@@ -649,10 +649,7 @@ const EffectParameter* EffectInfo::parameter(std::string_view key) const {
   return it == parameters.end() ? nullptr : &*it;
 }
 
-bool EffectInfo::takes_axes() const {
-  const bool of_one_triad = sensor == "acc" || sensor == "gyr" || sensor == "mag";
-  return (of_one_triad && !id.ends_with("_delay")) || id == "sys_tracker";
-}
+bool EffectInfo::takes_sensors() const { return (sensor == "sys" && id != "sys_tracker") || id == "ref_frame"; }
 
 const std::vector<EffectInfo>& effect_catalogue() {
   static const Table table = [] {

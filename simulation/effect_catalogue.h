@@ -36,10 +36,8 @@ struct EffectInfo {
   std::vector<EffectParameter> parameters;
 
   [[nodiscard]] const EffectParameter* parameter(std::string_view key) const;
-  /// False where the effect moves whole sensors (delays, clock, reference): `axes` has no meaning there.
-  [[nodiscard]] bool takes_axes() const;
-  /// False for the effects of the reference, which hold throughout: `window_s` has no meaning there.
-  [[nodiscard]] bool takes_window() const { return sensor != "ref"; }
+  /// True where the effect acts on the axes of several sensors, so that `sensors` may choose among them.
+  [[nodiscard]] bool takes_sensors() const;
 };
 
 /// In the order of the catalogue: acc_, gyr_, mag_, sys_, ref_.

@@ -1,11 +1,9 @@
 #include "simulation/laws.h"
 
-#include <algorithm>
 #include <cmath>
-#include <limits>
 #include <numbers>
+#include <string_view>
 
-#include "core/result.h"
 #include "simulation/effect_catalogue.h"
 
 namespace stillpoint::sim {
@@ -103,41 +101,12 @@ const std::vector<Entry>& entries() {
 
 }  // namespace
 
-EffectValues::EffectValues(const EffectConfig& config) {
-  const EffectInfo* info = find_effect(config.id);
-  SP_EXPECTS(info != nullptr);
-  std::size_t used = 0;
-  for (std::size_t k = 0; k < info->parameters.size(); ++k) {
-    const auto& p = info->parameters[k];
-    const auto count = static_cast<std::size_t>(p.count);
-    SP_EXPECTS(used + count <= numbers_.size() && k < offset_.size());
-    offset_[k] = used;
-    const auto given = config.parameters.find(p.key);
-    SP_EXPECTS(given != config.parameters.end() ? given->second.size() == count : !p.required);
-    for (std::size_t i = 0; i < count; ++i)
-      numbers_[used++] = given != config.parameters.end() ? given->second[i] : p.fallback;
-  }
-}
-
-Vec3 axes_mask(const EffectConfig& effect) {
-  if (effect.axes.empty()) return Vec3::Ones();
-  Vec3 mask = Vec3::Zero();
-  for (const int axis : effect.axes) mask[axis] = 1.0;
-  return mask;
-}
-
-std::pair<double, double> window_of(const EffectConfig& effect) {
-  constexpr double kEver = std::numeric_limits<double>::max();
-  return effect.window_s.value_or(std::pair{-kEver, kEver});
-}
-
 std::vector<ActiveLaw> laws_for(const std::vector<EffectConfig>& effects, Sensor sensor, Stage stage) {
   std::vector<ActiveLaw> out;
   for (const auto& effect : effects)
     for (const Entry& e : entries()) {
       if (e.id != effect.id || e.sensor != sensor || e.stage != stage) continue;
-      const auto [from_s, to_s] = window_of(effect);
-      out.push_back({e.law, EffectValues(effect), axes_mask(effect), from_s, to_s});
+      if (const ActiveLaw law(effect, e.law); law.covers(sensor)) out.push_back(law);
     }
   return out;
 }

@@ -1,15 +1,18 @@
 /// The simulated sensor: motion and surroundings in, readings out, one row at a time and without allocation, so that
-/// the daemon can use it as its source. In physical order: force, rate and field at the place; the element and its
-/// laws; filters; y = H^-1 u + B; noise; clipping and quantisation; clock and transport.
+/// the daemon can use it as its source. In physical order: force, rate and field at the place and at the time of the
+/// sensor's clock; the element (element.h); readings (triad.h); transport; beside them the reference.
 #pragma once
 #include <cstdint>
 #include <memory>
 #include <optional>
 #include <vector>
 
+#include "simulation/clock.h"
 #include "simulation/config.h"
+#include "simulation/element.h"
 #include "simulation/environment.h"
 #include "simulation/motion.h"
+#include "simulation/reference.h"
 #include "simulation/triad.h"
 
 namespace stillpoint::sim {
@@ -39,13 +42,28 @@ class Simulator {
 
   /// u = H (y - B) of a reading; for measuring what an effect changes.
   [[nodiscard]] Vec3 corrected(Sensor sensor, const Array3& y) const noexcept;
-  [[nodiscard]] bool has(Sensor sensor) const noexcept { return triads_[static_cast<std::size_t>(sensor)].has_value(); }
+  [[nodiscard]] bool has(Sensor sensor) const noexcept { return chains_[static_cast<std::size_t>(sensor)].has_value(); }
 
  private:
-  void fill_instant(double t_s) noexcept;
-  const Vec3& at_place(Sensor sensor, double t_s) noexcept;
-  void read_triad(Sensor sensor, double row_t_s, double imu_t_s, RawSample& out) noexcept;
-  [[nodiscard]] double imu_time_s(double row_t_s) noexcept;
+  /// Axes of one triad that share clock and frame. Usually all three; faults on chosen axes split them.
+  struct Channel {
+    Element element;
+    int axis;   ///< the first of them
+    Vec3 axes;  ///< 1 on these axes, else 0
+    double last_t_s;
+  };
+  /// A triad and its channels.
+  struct Chain {
+    Triad triad;
+    std::vector<Channel> channels;
+  };
+
+  void add_chain(Sensor sensor, const TriadConfig& triad, std::uint64_t seed);
+  [[nodiscard]] std::uint32_t frames_of(Sensor sensor, int axis, double t_s) const noexcept;
+  void fill_instant(double t_s, std::uint32_t frames) noexcept;
+  const Vec3& at_place(Sensor sensor, double t_s, std::uint32_t frames) noexcept;
+  [[nodiscard]] Vec3 signal_of(Sensor sensor, Channel& channel) noexcept;
+  void read_triad(Sensor sensor, double row_t_s, RawSample& out) noexcept;
   void write_reference(double row_t_s, SimulatedSample& out) noexcept;
   void track_bias(double row_t_s, RawSample& out) noexcept;
   void transport(double row_t_s, RawSample& out) noexcept;
@@ -54,15 +72,16 @@ class Simulator {
   SimulationConfig config_;
   std::shared_ptr<const Motion> motion_;
   Environment environment_;
-  std::array<std::optional<Triad>, 3> triads_;
-  std::array<double, 3> last_t_s_{};
-  std::vector<ActiveEffect> offset_, skew_, gap_, dup_, jitter_, tracker_, frame_;
-  Mat3 R_sensor_body_ = Mat3::Identity();
-  Stream jitter_random_, dup_random_, lost_random_, aux_random_;
-  std::optional<BandNoise> orientation_error_, position_error_;
+  Clock clock_;
+  Reference reference_;
+  std::array<std::optional<Chain>, 3> chains_;
+  std::vector<ActiveEffect> dup_, tracker_, frame_;
+  std::vector<Mat3> R_sensor_body_;  ///< one per entry of frame_
+  Stream dup_random_, lost_random_, aux_random_;
   Instant now_;
   std::array<bool, 3> placed_{};  ///< which of now_'s force, rate and field carry the laws of their place
   double now_t_s_;
+  std::uint32_t now_frames_ = 0;  ///< bit k: now_ is seen through frame_[k]
   std::uint64_t row_ = 0, rows_ = 0;
   RawSample last_sent_;
   // sys_tracker: short means of rate and force tell rest, the bias follows the rate at rest

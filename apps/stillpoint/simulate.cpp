@@ -48,10 +48,12 @@ Json effect_json(const sim::EffectConfig& e, const sim::EffectStrength& s) {
   for (const auto& [key, values] : e.parameters)
     out["parameters"][key] = values.size() == 1 ? Json(values[0]) : Json(values);
   if (!e.axes.empty()) out["axes"] = e.axes;
+  for (const sim::Sensor sensor : e.sensors) out["sensors"].push_back(sim::prefix(sensor));
   if (e.window_s) out["window_s"] = {e.window_s->first, e.window_s->second};
-  constexpr const char* kNames[] = {"acc", "gyr", "mag"};
-  for (std::size_t i = 0; i < 3; ++i)
-    out["strength"][kNames[i]] = {{"rms_over_noise", s.sensor[i].rms_over_noise}, {"d_prime", s.sensor[i].d_prime}};
+  for (const sim::Sensor sensor : sim::kSensors) {
+    const auto& strength = s.sensor[static_cast<std::size_t>(sensor)];
+    out["strength"][sim::prefix(sensor)] = {{"rms_over_noise", strength.rms_over_noise}, {"d_prime", strength.d_prime}};
+  }
   return out;
 }
 

@@ -29,6 +29,23 @@ TEST(Law, DelayIsTheTruthOfEarlier) {
   });
 }
 
+/// Axes with converters of their own: each looks back by its own time.
+TEST(Law, DelayOfAnAxisIsThatAxisOfEarlier) {
+  const Twins twins({effect("{effect: gyr_delay, tau_s: 0.004, axes: [x, z]}"),
+                     effect("{effect: gyr_delay, tau_s: 0.013, axes: [z]}")});
+  double largest = 0.0;
+  for (std::size_t i = 0; i < twins.size(); ++i) {
+    const auto earlier = [&](double tau_s, int axis) {
+      return twins.motion->at(twins.t(i) - tau_s).rate_radps[axis] - twins.rate(i)[axis];
+    };
+    ASSERT_NEAR(twins.gyr(i).x(), earlier(0.004, 0), 1e-12);
+    ASSERT_EQ(twins.gyr(i).y(), 0.0);
+    ASSERT_NEAR(twins.gyr(i).z(), earlier(0.017, 2), 1e-12);
+    largest = std::max(largest, std::abs(twins.gyr(i).z()));
+  }
+  EXPECT_GT(largest, 0.01);
+}
+
 TEST(Law, RepeatedSamplesRepeatAllSensorsAtTheStatedRate) {
   const Twins twins({effect("{effect: sys_dup, fraction: 0.02}")});
   int repeats = 0;

@@ -12,9 +12,7 @@
 namespace stillpoint::sim {
 namespace {
 
-using ::testing::AllOf;
 using ::testing::HasSubstr;
-using ::testing::Not;
 
 const std::string kSensor = "accelerometer: {noise_mps2: 0.02}\n";
 
@@ -44,17 +42,14 @@ TEST(SimulationYaml, NamesEveryMistakeWithLineAndColumn) {
   EXPECT_THAT(faults_of(kSensor + "gravity_mps: 9.8\n"), HasSubstr("did you mean 'gravity_mps2'?"));
 }
 
-TEST(SimulationYaml, AxesAndWindowsAreRefusedWhereTheyMeanNothing) {
-  EXPECT_THAT(faults_of(kSensor + "effects:\n  - {effect: mag_delay, tau_s: 0.01, axes: [x]}\n"),
-              HasSubstr("s.yaml:3:44: 'axes' has no meaning for mag_delay, which moves whole sensors; the effects "
-                        "acc_*, gyr_* and mag_* (but for *_delay) and sys_tracker take it"));
-  EXPECT_THAT(faults_of(kSensor + "effects:\n  - {effect: sys_skew, eps_ppm: 50, axes: [x], window_s: [1, 2]}\n"),
-              AllOf(HasSubstr("s.yaml:3:43: 'axes' has no meaning for sys_skew"), Not(HasSubstr("window_s"))));
-  EXPECT_THAT(faults_of(kSensor + "effects:\n  - {effect: ref_frame, phi_rad: 0.1, window_s: [1, 2]}\n"),
-              HasSubstr("s.yaml:3:49: 'window_s' has no meaning for ref_frame, which holds throughout; the effects "
-                        "acc_*, gyr_*, mag_* and sys_* take it"));
-  EXPECT_EQ(faults_of(kSensor + "effects:\n  - {effect: sys_tracker, tau_s: 5, axes: [y], window_s: [1, 2]}\n"), "");
-  EXPECT_EQ(faults_of(kSensor + "effects:\n  - {effect: gyr_delay, tau_s: 0.01, window_s: [1, 2]}\n"), "");
+TEST(SimulationYaml, SensorsAreChosenWhereAnEffectActsOnSeveral) {
+  EXPECT_THAT(faults_of(kSensor + "effects:\n  - {effect: mag_delay, tau_s: 0.01, sensors: [acc]}\n"),
+              HasSubstr("s.yaml:3:47: 'sensors' has no meaning for mag_delay"));
+  EXPECT_THAT(faults_of(kSensor + "effects:\n  - {effect: sys_skew, eps_ppm: 50, sensors: [acc, x]}\n"),
+              HasSubstr("s.yaml:3:52: 'x' is not a sensor; use acc, gyr or mag"));
+  EXPECT_THAT(faults_of(kSensor + "effects:\n  - {effect: sys_skew, eps_ppm: 50, sensors: [acc, acc]}\n"),
+              HasSubstr("sensor 'acc' stands twice"));
+  EXPECT_EQ(faults_of(kSensor + "effects:\n  - {effect: sys_skew, eps_ppm: 5, sensors: [acc], axes: [x]}\n"), "");
 }
 
 TEST(SimulationYaml, ReportsAllMistakesAtOnce) {
@@ -68,7 +63,7 @@ TEST(SimulationYaml, WritesWhatReadsBackToTheSame) {
       "gyroscope: {bias: [0.1, 0, -0.3], matrix: [[1, 0.5, 0], [0, 1, 0], [0, 0, 2]], noise_radps: 0.001, "
       "noise_axes: [1, 2, 1], rate_hz: 25}\n"
       "effects:\n  - {effect: acc_size, r_m: [[1, 2, 3], [4, 5, 6], [7, 8, 9]], axes: [x, z], window_s: [1, 2]}\n"
-      "  - {effect: gyr_delay, tau_s: 0.002}\n"
+      "  - {effect: gyr_delay, tau_s: 0.002}\n  - {effect: sys_dup, fraction: 0.1, sensors: [gyr, mag]}\n"
       "motion: {kind: drone, duration_s: 20}\n"
       "environment: {temperature: {kind: chamber, rise_K: 30}, iron: [{moment_Am2: [1, 0, 0], start_m: [0, 1, 0]}]}\n"
       "timing: {lost_fraction: 0.01}\nreference: {kind: mocap, band_hz: 7}\n";
@@ -79,6 +74,7 @@ TEST(SimulationYaml, WritesWhatReadsBackToTheSame) {
   EXPECT_EQ(io::format_simulation(*once), io::format_simulation(*twice));
   EXPECT_EQ(twice->effects[0].parameters.at("r_m")[5], 6.0);
   EXPECT_EQ(twice->effects[0].axes, (std::vector<int>{0, 2}));
+  EXPECT_EQ(twice->effects[2].sensors, (std::vector{Sensor::kGyr, Sensor::kMag}));
   EXPECT_EQ(twice->environment.temperature.rise_K, 30.0);
   EXPECT_EQ(twice->environment.iron.at(0).start_m.y(), 1.0);
   EXPECT_EQ(twice->gyroscope->rate_hz, 25.0);

@@ -1,0 +1,49 @@
+#include "simulation/clock.h"
+
+#include <algorithm>
+
+namespace stillpoint::sim {
+
+Clock::Clock(const std::vector<EffectConfig>& effects, double rate_hz, std::uint64_t seed)
+    : rate_hz_(rate_hz),
+      skew_(active_effects(effects, "sys_skew")),
+      gap_(active_effects(effects, "sys_gap")),
+      offset_(active_effects(effects, "sys_offset")),
+      jitter_(active_effects(effects, "sys_jitter")),
+      delay_{active_effects(effects, "acc_delay"), active_effects(effects, "gyr_delay"),
+             active_effects(effects, "mag_delay")},
+      jitter_shift_s_(jitter_.size()),
+      jitter_random_(seed, "sys_jitter") {}
+
+void Clock::start_row(double row_t_s) noexcept {
+  row_t_s_ = row_t_s;
+  for (std::size_t i = 0; i < jitter_.size(); ++i)
+    jitter_shift_s_[i] = jitter_[i].values.scalar(0) * jitter_random_.normal();
+}
+
+double Clock::time_s(Sensor sensor, int axis) const noexcept {
+  double t = row_t_s_;
+  const auto here = [&](const ActiveEffect& e) { return e.active(row_t_s_) && e.covers(sensor, axis); };
+  for (const auto& s : skew_)
+    if (here(s)) t += 1e-6 * s.values.scalar(0) * row_t_s_;
+  for (const auto& g : gap_)
+    if (here(g) && row_t_s_ > g.values.scalar(1)) t += g.values.scalar(0) / rate_hz_;
+  for (const auto& o : offset_)
+    if (here(o)) t -= o.values.scalar(0);
+  for (std::size_t i = 0; i < jitter_.size(); ++i)
+    if (here(jitter_[i])) t += jitter_shift_s_[i];
+  double delay_s = 0.0;
+  for (const auto& d : delay_[static_cast<std::size_t>(sensor)])
+    if (here(d)) delay_s += d.values.scalar(0);
+  return t - delay_s;
+}
+
+bool Clock::together(Sensor sensor, int axis, int other) const noexcept {
+  const auto same = [&](const std::vector<ActiveEffect>& effects) {
+    return std::all_of(effects.begin(), effects.end(),
+                       [&](const auto& e) { return e.covers(sensor, axis) == e.covers(sensor, other); });
+  };
+  return same(skew_) && same(gap_) && same(offset_) && same(jitter_) && same(delay_[static_cast<std::size_t>(sensor)]);
+}
+
+}  // namespace stillpoint::sim

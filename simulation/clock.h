@@ -1,0 +1,32 @@
+/// The time at which each axis of each sensor looks at the motion. The rows of a recording carry the times of a perfect
+/// clock; delays of a sensor, of one of its axes, and faults of the clock move what the reading is of.
+#pragma once
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "simulation/active_effect.h"
+#include "simulation/random.h"
+
+namespace stillpoint::sim {
+
+class Clock {
+ public:
+  Clock(const std::vector<EffectConfig>& effects, double rate_hz, std::uint64_t seed);
+
+  /// Draws what is random in this row; once per row, in order.
+  void start_row(double row_t_s) noexcept;
+  /// Time of the motion that this axis reads in the row started last.
+  [[nodiscard]] double time_s(Sensor sensor, int axis) const noexcept;
+  /// Whether two axes always look at the same time.
+  [[nodiscard]] bool together(Sensor sensor, int axis, int other) const noexcept;
+
+ private:
+  double rate_hz_, row_t_s_ = 0.0;
+  std::vector<ActiveEffect> skew_, gap_, offset_, jitter_;
+  std::array<std::vector<ActiveEffect>, 3> delay_;
+  std::vector<double> jitter_shift_s_;  ///< of this row, one per entry of jitter_
+  Stream jitter_random_;
+};
+
+}  // namespace stillpoint::sim
