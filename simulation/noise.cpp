@@ -10,22 +10,44 @@ constexpr double kTwoPi = 2.0 * std::numbers::pi;
 constexpr double kLongest_s = 1e5;
 constexpr double kRatio = 4.0;  // between neighbouring time constants; the ripple of the sum stays below 2 %
 
+/// Stationary, of this standard deviation.
+GaussMarkov stationary(double keep, double sd) { return {keep, sd * std::sqrt(1.0 - keep * keep), sd}; }
+
+/// 1/f noise with B = 1.
+std::vector<GaussMarkov> flicker_processes(double step_s) {
+  const double sd = std::sqrt(std::log(kRatio) / std::numbers::pi);
+  std::vector<GaussMarkov> out;
+  for (double tau_s = 0.25 * step_s; tau_s < kLongest_s; tau_s *= kRatio)
+    out.push_back(stationary(std::exp(-step_s / tau_s), sd));
+  return out;
+}
+
 }  // namespace
+
+NoiseModel noise_model(const TriadConfig& c, int axis, double step_s) {
+  NoiseModel out;
+  const double sd = c.noise_sd * c.noise_axes[axis];
+  if (c.noise_band_hz > 0.0)
+    out.processes.push_back(stationary(std::exp(-kTwoPi * c.noise_band_hz * step_s), sd));
+  else
+    out.white = sd;
+  if (c.bias_instability > 0.0)
+    for (const GaussMarkov& p : flicker_processes(step_s))
+      out.processes.push_back({p.keep, c.bias_instability * p.drive, c.bias_instability * p.start});
+  if (c.random_walk_per_sqrts > 0.0) out.processes.push_back({1.0, std::sqrt(step_s) * c.random_walk_per_sqrts, 0.0});
+  return out;
+}
 
 FlickerNoise::FlickerNoise(const Vec3& b, double step_s, std::uint64_t seed, const std::string& source)
     : random_(seed, source), b_(b) {
-  const double sd = std::sqrt(std::log(kRatio) / std::numbers::pi);
-  for (double tau_s = 0.25 * step_s; tau_s < kLongest_s; tau_s *= kRatio) {
-    const double keep = std::exp(-step_s / tau_s);
-    processes_.push_back({keep, sd * std::sqrt(1.0 - keep * keep), sd * random_.normal3()});
-  }
+  for (const GaussMarkov& law : flicker_processes(step_s)) processes_.push_back({law, law.start * random_.normal3()});
 }
 
 Vec3 FlickerNoise::next() noexcept {
   Vec3 sum = Vec3::Zero();
   for (auto& p : processes_) {
     sum += p.state;
-    p.state = p.keep * p.state + p.drive * random_.normal3();
+    p.state = p.law.keep * p.state + p.law.drive * random_.normal3();
   }
   return b_.cwiseProduct(sum);
 }

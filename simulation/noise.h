@@ -10,6 +10,21 @@
 
 namespace stillpoint::sim {
 
+/// x_(k+1) = keep x_k + drive w_k with white w of unit variance, x_0 of standard deviation `start`: what every coloured
+/// noise here is made of.
+struct GaussMarkov {
+  double keep, drive, start;
+};
+
+/// The noise of one axis: white of standard deviation `white`, and these processes added to it, one step a row.
+struct NoiseModel {
+  double white = 0.0;
+  std::vector<GaussMarkov> processes;
+};
+
+/// What TriadNoise draws, as a model to whiten with.
+[[nodiscard]] NoiseModel noise_model(const TriadConfig& config, int axis, double step_s);
+
 /// 1/f noise as a sum of Gauss-Markov processes of equal variance, their time constants evenly spaced in logarithm
 /// (van der Ziel's construction). With the ratio r between neighbours each has the variance ln(r) B^2 / pi, which gives
 /// the one-sided spectrum B^2 / (pi f) and the Allan deviation sqrt(2 ln 2 / pi) B = 0.664 B between one sample and 3
@@ -21,7 +36,7 @@ class FlickerNoise {
 
  private:
   struct Process {
-    double keep, drive;
+    GaussMarkov law;
     Vec3 state;
   };
   Stream random_;

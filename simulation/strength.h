@@ -10,11 +10,15 @@
 
 namespace stillpoint::sim {
 
-/// Over one triad. Without configured noise the readings themselves set no scale and both numbers stay 0.
+/// Over the three axes of one triad, in the reading y, where the noise is. Without configured noise there is no scale
+/// and both numbers stay 0.
 struct Strength {
-  double rms_over_noise = 0.0;  ///< rms of the change in u over the three axes, divided by noise_sd
-  double d_prime =
-      0.0;  ///< norm of the change over all samples, in noise_sd, after the best change of H and B is taken off
+  /// Rms of the change over the standard deviation of one sample.
+  double rms_over_noise = 0.0;
+  /// Norm of the change over all samples after it was whitened with the configured noise - white or coloured, bias
+  /// instability, random walk - and the best change of H and B was taken off: the d' of the best detector that knows
+  /// neither. Effects that are noise themselves do not enter the whitening.
+  double d_prime = 0.0;
 };
 
 struct EffectStrength {
@@ -22,8 +26,7 @@ struct EffectStrength {
   std::array<Strength, 3> sensor;  ///< acc, gyr, mag
 };
 
-/// One entry per effect of the configuration. The whitening takes the noise as white with its configured standard
-/// deviation; coloured noise, drift and instability are not whitened.
+/// One entry per effect of the configuration.
 [[nodiscard]] std::vector<EffectStrength> effect_strengths(const SimulationConfig& config,
                                                            const std::shared_ptr<const Motion>& motion,
                                                            std::uint64_t seed, const RecordedEnvironment& recorded);

@@ -41,10 +41,11 @@ Track steps_of(const Track& x) {
   return out;
 }
 
-/// A random walk from zero: <(b(t + s) - b(t))^2> = q^2 s for every s, steps without memory, axes without each other.
-void expect_walk(const std::string& id, const std::string& key, Sensor sensor) {
+/// A random walk from zero, q = 0.003 times 1, 2 and 0.5: <(b(t + s) - b(t))^2> = q^2 s for every s, steps without
+/// memory, axes without each other.
+void expect_walk(const std::string& yaml, Sensor sensor) {
   const double q = 0.003;
-  const auto b = change_of("{effect: " + id + ", " + key + ": [0.003, 0.006, 0.0015]}", sensor, lying_still(2000.0));
+  const auto b = change_of(yaml, sensor, lying_still(2000.0));
   constexpr std::array<double, 3> kFactor{1.0, 2.0, 0.5};
   std::array<Track, 3> steps;
   for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -53,7 +54,7 @@ void expect_walk(const std::string& id, const std::string& key, Sensor sensor) {
       const double seconds = static_cast<double>(step) / kRate_hz, n = static_cast<double>(b[axis].size() / step);
       EXPECT_NEAR(mean_square_step(b[axis], step) / (std::pow(q * kFactor[axis], 2) * seconds), 1.0,
                   4.0 * std::sqrt(2.0 / n))
-          << id << " over " << seconds << " s";
+          << yaml << " over " << seconds << " s";
     }
     steps[axis] = steps_of(b[axis]);
     const double sd = 1.0 / std::sqrt(static_cast<double>(steps[axis].size()));
@@ -64,9 +65,15 @@ void expect_walk(const std::string& id, const std::string& key, Sensor sensor) {
   EXPECT_NEAR(correlation(steps[1], steps[2], 0), 0.0, 4.0 * sd);
 }
 
-TEST(Law, AccDriftIsARandomWalk) { expect_walk("acc_drift", "q_mps2_per_sqrts", Sensor::kAcc); }
-TEST(Law, GyrDriftIsARandomWalk) { expect_walk("gyr_drift", "q_radps_per_sqrts", Sensor::kGyr); }
-TEST(Law, MagDriftIsARandomWalk) { expect_walk("mag_drift", "q_uT_per_sqrts", Sensor::kMag); }
+TEST(Law, AccDriftIsARandomWalk) {
+  expect_walk("{effect: acc_drift, q_mps2_per_sqrts: [0.003, 0.006, 0.0015]}", Sensor::kAcc);
+}
+TEST(Law, GyrDriftIsARandomWalk) {
+  expect_walk("{effect: gyr_drift, q_radps_per_sqrts: [0.003, 0.006, 0.0015]}", Sensor::kGyr);
+}
+TEST(Law, MagDriftIsARandomWalk) {
+  expect_walk("{effect: mag_drift, q_uT_per_sqrts: [0.003, 0.006, 0.0015]}", Sensor::kMag);
+}
 
 /// Power in a band, by the Goertzel sums of a record cut into windowed pieces; one-sided, unit^2 / Hz.
 double spectrum_at(const Track& x, double frequency_hz, std::size_t piece) {

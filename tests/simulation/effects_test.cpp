@@ -1,4 +1,7 @@
 /// What holds for every effect of the catalogue: whose readings it changes, on which axes and when.
+#include <filesystem>
+#include <fstream>
+
 #include "tests/simulation/effect_twins.h"
 
 namespace stillpoint::sim {
@@ -128,6 +131,19 @@ INSTANTIATE_TEST_SUITE_P(Catalogue, EveryFaultThatMovesAnAxis,
                          ::testing::Values("acc_delay", "gyr_delay", "mag_delay", "sys_offset", "sys_skew", "sys_gap",
                                            "sys_jitter", "sys_dup", "ref_frame"),
                          [](const auto& i) { return i.param; });
+
+/// The table is no longer than what is tested of it: each ID stands in a test of its own equation, outside this file.
+TEST(EffectCatalogue, EveryIdHasATestOfItsEquation) {
+  std::string tests;
+  for (const auto& file : std::filesystem::directory_iterator(STILLPOINT_SOURCE_DIR "/tests/simulation")) {
+    const std::string name = file.path().filename();
+    if (!name.starts_with("effects_") || name == "effects_test.cpp") continue;
+    std::ifstream in(file.path());
+    tests.append(std::istreambuf_iterator<char>(in), {});
+  }
+  for (const auto& info : effect_catalogue())
+    EXPECT_NE(tests.find("\"{effect: " + info.id), std::string::npos) << info.id << " has no test of its equation";
+}
 
 std::vector<std::string> ids() {
   std::vector<std::string> out;

@@ -7,7 +7,6 @@
 
 #include "simulation/effect_catalogue.h"
 #include "simulation/simulator.h"
-#include "simulation/strength.h"
 
 namespace stillpoint::sim {
 namespace {
@@ -118,27 +117,6 @@ TEST(Gravity, FollowsLatitudeAndHeight) {
   EXPECT_NEAR(normal_gravity_mps2(0.8, 0.0) - normal_gravity_mps2(0.8, 1000.0), 3.086e-3, 1e-5);
   const auto config = io::parse_simulation(kSensor + "environment: {latitude_rad: 0, height_m: 0}\n", "x");
   EXPECT_NEAR(config->gravity_mps2, 9.7803253359, 1e-9);
-}
-
-/// A constant offset and a linear map are wrong numbers, not effects: their d' is nothing. What H and B cannot take
-/// stays.
-TEST(Strength, TakesBiasAndMatrixOff) {
-  auto config = *io::parse_simulation(kSensor +
-                                          "motion: {kind: hand, duration_s: 60}\neffects:\n"
-                                          "  - {effect: acc_temp_lin, k_mps2_per_K: 0.01}\n"
-                                          "  - {effect: acc_temp_scale, S_per_K: 0.001}\n"
-                                          "environment: {temperature: {kind: constant, start_degC: 35}}\n",
-                                      "x");
-  const std::shared_ptr<const Motion> motion = make_motion(*config.motion, 2);
-  const auto constant = effect_strengths(config, motion, 2, {});
-  EXPECT_NEAR(constant[0].sensor[0].rms_over_noise, 0.1 / 0.02, 1e-6);
-  EXPECT_LT(constant[0].sensor[0].d_prime, 1e-3);
-  EXPECT_GT(constant[1].sensor[0].rms_over_noise, 1.0);
-  EXPECT_LT(constant[1].sensor[0].d_prime, 1e-3);
-  config.environment.temperature = {.kind = "warm_up", .start_degC = 25.0, .rise_K = 10.0};
-  const auto warming = effect_strengths(config, motion, 2, {});
-  EXPECT_GT(warming[0].sensor[0].d_prime, 50.0);
-  EXPECT_EQ(warming[0].sensor[1].d_prime, 0.0);
 }
 
 }  // namespace
