@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <cmath>
 
+#include "simulation/reference_noise.h"
+
 namespace stillpoint::sim {
 namespace {
-
-using Span = std::pair<std::size_t, std::size_t>;  // first and last sample
 
 constexpr double kWindow_s = 0.5;  // stillness is judged over this time
 constexpr double kShortestRest_s = 1.0;
@@ -100,6 +100,26 @@ CurveSamples<Columns> bridged(const CurveSamples<Columns>& in, double step_s) {
   return out;
 }
 
+/// The spline through the flattened curve, exactly still where the body rested. Cross-validation sees errors that are
+/// white, the rounding of the file among them; `least_penalty` knows the coloured noise that was measured at rest.
+template <int Columns>
+SmoothingSpline<Columns> smoothed(const CurveSamples<Columns>& flat, const std::vector<Span>& rests, double step_s,
+                                  double least_penalty) {
+  const auto samples = bridged(flat, step_s);
+  const double penalty = std::max(least_penalty, cross_validated_penalty(samples, step_s));
+  SmoothingSpline<Columns> spline(samples, step_s, penalty);
+  for (const auto& [first, last] : rests) spline.hold(flat.t_s[first], flat.t_s[last], flat.value[first]);
+  return spline;
+}
+
+/// Three knots inside either end of a rest nothing but held coefficients acts.
+std::vector<std::pair<double, double>> spans_s(const std::vector<double>& t_s, const std::vector<Span>& rests,
+                                               double step_s) {
+  std::vector<std::pair<double, double>> out;
+  for (const auto& [first, last] : rests) out.emplace_back(t_s[first] + 3.0 * step_s, t_s[last] - 3.0 * step_s);
+  return out;
+}
+
 }  // namespace
 
 Result<std::unique_ptr<Motion>> RecordedMotion::from(ReferenceTrack track) {
@@ -118,23 +138,15 @@ Result<std::unique_ptr<Motion>> RecordedMotion::from(ReferenceTrack track) {
   places.t_s = turns.t_s;
   places.weight = turns.weight;
   const auto rests = rest_spans(track);
+  const double step_s = median_step(track.t_s);
+  // Sensors feel the second derivative of the place and the first of the orientation.
+  const double turn_penalty = penalty_against_noise(turns, rests, step_s, 1);
+  const double place_penalty = penalty_against_noise(places, rests, step_s, 2);
   flatten(turns, rests);
   flatten(places, rests);
-  return std::unique_ptr<Motion>(
-      new RecordedMotion(std::move(turns), std::move(places), rests, median_step(track.t_s)));
-}
-
-RecordedMotion::RecordedMotion(CurveSamples<4> turns, CurveSamples<3> places, std::vector<Span> rests, double step_s)
-    : duration_s_(turns.t_s.back() + step_s),
-      orientation_(bridged(turns, step_s), step_s),
-      position_(bridged(places, step_s), step_s) {
-  for (const auto& [first, last] : rests) {
-    const double from_s = turns.t_s[first], to_s = turns.t_s[last];
-    orientation_.hold(from_s, to_s, turns.value[first]);
-    position_.hold(from_s, to_s, places.value[first]);
-    // Three knots inside either end nothing but held coefficients acts.
-    rests_s_.emplace_back(from_s + 3.0 * step_s, to_s - 3.0 * step_s);
-  }
+  return std::unique_ptr<Motion>(new RecordedMotion(smoothed(turns, rests, step_s, turn_penalty),
+                                                    smoothed(places, rests, step_s, place_penalty),
+                                                    spans_s(turns.t_s, rests, step_s), turns.t_s.back() + step_s));
 }
 
 MotionState RecordedMotion::at(double t_s) const noexcept {

@@ -1,5 +1,6 @@
 /// Motion from the reference columns of a recording: smoothing splines through orientation and position, exact
-/// stillness where the body rested, gaps bridged.
+/// stillness where the body rested, gaps bridged. How smooth follows from the reference's own noise
+/// (reference_noise.h).
 #pragma once
 #include <memory>
 #include <utility>
@@ -30,8 +31,12 @@ class RecordedMotion final : public Motion {
   [[nodiscard]] const std::vector<std::pair<double, double>>& rests_s() const noexcept { return rests_s_; }
 
  private:
-  RecordedMotion(CurveSamples<4> turns, CurveSamples<3> places, std::vector<std::pair<std::size_t, std::size_t>> rests,
-                 double step_s);
+  RecordedMotion(SmoothingSpline<4> orientation, SmoothingSpline<3> position,
+                 std::vector<std::pair<double, double>> rests_s, double duration_s)
+      : duration_s_(duration_s),
+        rests_s_(std::move(rests_s)),
+        orientation_(std::move(orientation)),
+        position_(std::move(position)) {}
 
   double duration_s_;
   std::vector<std::pair<double, double>> rests_s_;

@@ -56,42 +56,52 @@ void solve_band(Band& a, std::vector<Point>& b) {
   }
 }
 
-/// Share of the samples' degrees of freedom that the fit uses, for one sample a knot: the mean over frequency of
-/// h^2 / (h^2 + penalty (2 sin(pi f))^10), h the spectrum of the basis at the samples, (66 + 52 cos + 2 cos 2) / 120.
+/// Share of the samples' degrees of freedom that the fit uses: the mean of its gain over frequency.
 double used_freedom(double penalty) {
   constexpr int kFrequencies = 400;
   double sum = 0.0;
-  for (int i = 0; i < kFrequencies; ++i) {
-    const double w = std::numbers::pi * (i + 0.5) / kFrequencies;
-    const double h = (66.0 + 52.0 * std::cos(w) + 2.0 * std::cos(2.0 * w)) / 120.0;
-    sum += h * h / (h * h + penalty * std::pow(2.0 * std::sin(0.5 * w), 10));
-  }
+  for (int i = 0; i < kFrequencies; ++i) sum += spline_gain(0.5 * (i + 0.5) / kFrequencies, penalty);
   return sum / kFrequencies;
 }
 
 }  // namespace
 
-template <int Columns>
-SmoothingSpline<Columns>::SmoothingSpline(const CurveSamples<Columns>& s, double knot_step_s)
-    : start_s_(s.t_s.front()), step_s_(knot_step_s) {
-  const auto intervals = static_cast<std::size_t>(std::ceil((s.t_s.back() - start_s_) / step_s_)) + 1;
-  coefficients_.resize(intervals + kSupport - 1);
-  double best = std::numeric_limits<double>::max();
-  for (double p = 1e-10; p < 2e4; p *= 10.0) {
-    const double left = 1.0 - used_freedom(p);
-    const double score = solve(s, p) / (left * left);
-    if (score >= best) continue;
-    best = score;
-    penalty_ = p;
-  }
-  solve(s, penalty_);
+double spline_gain(double frequency, double penalty) {
+  const double w = 2.0 * std::numbers::pi * frequency;
+  const double h = (66.0 + 52.0 * std::cos(w) + 2.0 * std::cos(2.0 * w)) / 120.0;
+  return h * h / (h * h + penalty * std::pow(2.0 * std::sin(0.5 * w), 10));
+}
+
+const std::vector<double>& spline_penalties() {
+  static const std::vector<double> all = [] {
+    std::vector<double> out;
+    for (double p = 1e-10; p < 2e9; p *= 10.0) out.push_back(p);
+    return out;
+  }();
+  return all;
 }
 
 template <int Columns>
-double SmoothingSpline<Columns>::solve(const CurveSamples<Columns>& s, double penalty) {
+double cross_validated_penalty(const CurveSamples<Columns>& s, double knot_step_s) {
+  double best = std::numeric_limits<double>::max(), chosen = spline_penalties().front();
+  for (const double p : spline_penalties()) {
+    if (p > 2e4) break;
+    const double left = 1.0 - used_freedom(p);
+    const double score = SmoothingSpline<Columns>(s, knot_step_s, p).residual(s) / (left * left);
+    if (score >= best) continue;
+    best = score;
+    chosen = p;
+  }
+  return chosen;
+}
+
+template <int Columns>
+SmoothingSpline<Columns>::SmoothingSpline(const CurveSamples<Columns>& s, double knot_step_s, double penalty)
+    : start_s_(s.t_s.front()), step_s_(knot_step_s) {
+  const auto intervals = static_cast<std::size_t>(std::ceil((s.t_s.back() - start_s_) / step_s_)) + 1;
+  coefficients_.assign(intervals + kSupport - 1, Point::Zero());
   Band normal(coefficients_.size());
   for (auto& row : normal) row.fill(0.0);
-  std::fill(coefficients_.begin(), coefficients_.end(), Point::Zero());
   for (std::size_t i = 0; i < s.t_s.size(); ++i) {
     const double x = (s.t_s[i] - start_s_) / step_s_;
     const auto knot = static_cast<std::size_t>(x);
@@ -103,13 +113,17 @@ double SmoothingSpline<Columns>::solve(const CurveSamples<Columns>& s, double pe
   }
   add_penalty(normal, penalty);
   solve_band(normal, coefficients_);
-  double residual = 0.0;
+}
+
+template <int Columns>
+double SmoothingSpline<Columns>::residual(const CurveSamples<Columns>& s) const {
+  double sum = 0.0;
   for (std::size_t i = 0; i < s.t_s.size(); ++i) {
     const auto fit = at(s.t_s[i]);
     for (int c = 0; c < Columns; ++c)
-      residual += s.weight[i] * std::pow(fit[static_cast<std::size_t>(c)].x - s.value[i][c], 2);
+      sum += s.weight[i] * std::pow(fit[static_cast<std::size_t>(c)].x - s.value[i][c], 2);
   }
-  return residual;
+  return sum;
 }
 
 template <int Columns>
@@ -136,5 +150,7 @@ void SmoothingSpline<Columns>::hold(double from_s, double to_s, const Point& val
 
 template class SmoothingSpline<3>;
 template class SmoothingSpline<4>;
+template double cross_validated_penalty(const CurveSamples<3>&, double);
+template double cross_validated_penalty(const CurveSamples<4>&, double);
 
 }  // namespace stillpoint::sim

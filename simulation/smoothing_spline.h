@@ -1,7 +1,6 @@
 /// Penalised regression spline of degree 5 with evenly spaced knots: second derivatives are smooth, so that a reference
 /// trajectory gives accelerations. After Eilers, Marx, "Flexible smoothing with B-splines and penalties", Stat. Sci. 11
-/// (1996), with fifth differences as penalty (the ends keep their
-/// acceleration); the penalty is chosen by generalised cross-validation.
+/// (1996), with fifth differences as penalty (the ends keep their acceleration).
 #pragma once
 #include <array>
 #include <cstddef>
@@ -24,23 +23,34 @@ class SmoothingSpline {
  public:
   using Point = Eigen::Matrix<double, Columns, 1>;
 
-  /// Pre: at least two samples. Penalty by generalised cross-validation over 1e-10 ... 1e4.
-  SmoothingSpline(const CurveSamples<Columns>& samples, double knot_step_s);
+  /// Pre: at least two samples.
+  SmoothingSpline(const CurveSamples<Columns>& samples, double knot_step_s, double penalty);
 
   [[nodiscard]] std::array<Taylor, Columns> at(double t_s) const noexcept;
   /// Makes the curve exactly constant wherever only coefficients between these times act.
   void hold(double from_s, double to_s, const Point& value);
-  [[nodiscard]] double penalty() const noexcept { return penalty_; }
+  /// Weighted sum of the squared distances to these samples.
+  [[nodiscard]] double residual(const CurveSamples<Columns>& samples) const;
 
  private:
-  /// Residual sum of squares of the fit with this penalty; leaves the coefficients.
-  double solve(const CurveSamples<Columns>& samples, double penalty);
-
-  double start_s_, step_s_, penalty_ = 0.0;
+  double start_s_, step_s_;
   std::vector<Point> coefficients_;
 };
 
+/// Share of a sine of `frequency` (cycles per knot) that the spline passes, for one sample a knot:
+/// h^2 / (h^2 + penalty (2 sin(pi f))^10), h the spectrum of the basis at the samples, (66 + 52 cos + 2 cos 2) / 120.
+[[nodiscard]] double spline_gain(double frequency, double penalty);
+
+/// The penalties that are tried, a decade apart.
+[[nodiscard]] const std::vector<double>& spline_penalties();
+
+/// The penalty of the least generalised cross-validation score: right where the errors of the samples are white.
+template <int Columns>
+[[nodiscard]] double cross_validated_penalty(const CurveSamples<Columns>& samples, double knot_step_s);
+
 extern template class SmoothingSpline<3>;
 extern template class SmoothingSpline<4>;
+extern template double cross_validated_penalty(const CurveSamples<3>&, double);
+extern template double cross_validated_penalty(const CurveSamples<4>&, double);
 
 }  // namespace stillpoint::sim

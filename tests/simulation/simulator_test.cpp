@@ -5,7 +5,6 @@
 #include <numeric>
 
 #include "core/so3.h"
-#include "io/simulated_recording.h"
 #include "io/simulation_yaml.h"
 
 namespace stillpoint::sim {
@@ -163,47 +162,6 @@ TEST(Simulator, NormalNumbersAreNormal) {
   EXPECT_NEAR(beyond_2 / static_cast<double>(kDraws), 0.0455003, 4.0 * std::sqrt(0.0455 / kDraws));
   EXPECT_NEAR(beyond_4, 6.3342e-5 * kDraws, 4.0 * std::sqrt(6.3e-5 * kDraws));
 }
-
-/// A hand's motion goes out as reference columns and comes back through the splines.
-
-TEST(RecordedMotion, FollowsAnExactReferenceAndRests) {
-  auto c = config(kHand);
-  const std::shared_ptr<const Motion> truth = make_motion(*c.motion, 9);
-  auto track = io::reference_track(io::to_recording(simulate(c, truth, 9)));
-  track.moving.clear();  // rest must be recognised from the reference itself
-  const auto motion = RecordedMotion::from(track);
-  ASSERT_TRUE(motion);
-  double worst_a = 0.0, worst_w = 0.0;
-  int rests = 0, wrong = 0;
-  for (double t = 1.0; t < 59.0; t += 0.0137) {
-    const MotionState a = truth->at(t), b = (*motion)->at(t);
-    worst_a = std::max(worst_a, (a.acceleration_mps2 - b.acceleration_mps2).norm());
-    worst_w = std::max(worst_w, (a.rate_radps - b.rate_radps).norm());
-    rests += b.moving ? 0 : 1;
-    wrong += !b.moving && a.rate_radps.norm() > 0.02 ? 1 : 0;
-  }
-  EXPECT_LT(worst_a, 0.02);
-  EXPECT_LT(worst_w, 0.002);
-  EXPECT_GT(rests, 600);
-  EXPECT_EQ(wrong, 0);
-}
-
-TEST(RecordedMotion, BridgesAGapWithoutSwinging) {
-  auto c = config(kHand);
-  const std::shared_ptr<const Motion> truth = make_motion(*c.motion, 9);
-  auto track = io::reference_track(io::to_recording(simulate(c, truth, 9)));
-  track.t_s.erase(track.t_s.begin() + 2000, track.t_s.begin() + 2300);
-  track.q_world_body.erase(track.q_world_body.begin() + 2000, track.q_world_body.begin() + 2300);
-  track.position_m.erase(track.position_m.begin() + 2000, track.position_m.begin() + 2300);
-  track.moving.erase(track.moving.begin() + 2000, track.moving.begin() + 2300);
-  const auto motion = RecordedMotion::from(track);
-  for (double t = 19.0; t < 24.0; t += 0.01) {
-    ASSERT_LT((*motion)->at(t).position_m.norm(), 1.0) << t;
-    ASSERT_LT((*motion)->at(t).rate_radps.norm(), 15.0) << t;
-  }
-}
-
-TEST(RecordedMotion, RefusesARecordingWithoutReference) { EXPECT_FALSE(RecordedMotion::from({})); }
 
 }  // namespace
 }  // namespace stillpoint::sim
