@@ -36,11 +36,9 @@ RawSample Recording::sample(std::size_t row) const {
   return s;
 }
 
-Result<void> write_recording(const Recording& r, const std::string& path) {
-  std::FILE* file = std::fopen(path.c_str(), "wb");
-  if (file == nullptr)
-    return fail(ErrorKind::kCannotCreate, fmt::format("{}: cannot be created; does the folder exist?", path));
-  fmt::memory_buffer out;
+namespace {
+
+void format_header(const Recording& r, fmt::memory_buffer& out) {
   const auto to = std::back_inserter(out);
   for (const auto& [key, value] : r.header) fmt::format_to(to, "# {}: {}\n", key, value);
   fmt::format_to(to, "time_ns");
@@ -57,6 +55,10 @@ Result<void> write_recording(const Recording& r, const std::string& path) {
   if (!r.ref_position_m.empty()) fmt::format_to(to, ",ref_px_m,ref_py_m,ref_pz_m");
   if (!r.ref_moving.empty()) fmt::format_to(to, ",ref_moving");
   fmt::format_to(to, "\n");
+}
+
+void format_row(const Recording& r, std::size_t i, fmt::memory_buffer& out) {
+  const auto to = std::back_inserter(out);
   const auto number = [&](double x) {
     if (std::isfinite(x))
       fmt::format_to(to, ",{:.10g}", x);
@@ -66,28 +68,47 @@ Result<void> write_recording(const Recording& r, const std::string& path) {
   const auto numbers = [&](const auto& v) {
     for (Eigen::Index k = 0; k < v.size(); ++k) number(v[k]);
   };
+  fmt::format_to(to, "{}", r.t_ns[i]);
+  if (!r.acc_mps2.empty()) numbers(r.acc_mps2[i]);
+  if (!r.gyr_radps.empty()) numbers(r.gyr_radps[i]);
+  if (!r.mag_uT.empty()) numbers(r.mag_uT[i]);
+  if (!r.temp_degC.empty()) number(r.temp_degC[i]);
+  if (!r.current_A.empty()) number(r.current_A[i]);
+  if (!r.supply_V.empty()) number(r.supply_V[i]);
+  if (!r.ref_q_world_body.empty()) numbers(r.ref_q_world_body[i]);
+  if (!r.ref_position_m.empty()) numbers(r.ref_position_m[i]);
+  if (!r.ref_moving.empty()) number(r.ref_moving[i]);
+  out.push_back('\n');
+}
+
+Result<void> write_rows(const Recording& r, const std::string& path, const char* mode) {
+  std::FILE* file = std::fopen(path.c_str(), mode);
+  if (file == nullptr)
+    return fail(ErrorKind::kCannotCreate, fmt::format("{}: cannot be created; does the folder exist?", path));
+  fmt::memory_buffer out;
+  if (*mode == 'w') format_header(r, out);
   bool written = true;
   for (std::size_t i = 0; i < r.size(); ++i) {
-    fmt::format_to(to, "{}", r.t_ns[i]);
-    if (!r.acc_mps2.empty()) numbers(r.acc_mps2[i]);
-    if (!r.gyr_radps.empty()) numbers(r.gyr_radps[i]);
-    if (!r.mag_uT.empty()) numbers(r.mag_uT[i]);
-    if (!r.temp_degC.empty()) number(r.temp_degC[i]);
-    if (!r.current_A.empty()) number(r.current_A[i]);
-    if (!r.supply_V.empty()) number(r.supply_V[i]);
-    if (!r.ref_q_world_body.empty()) numbers(r.ref_q_world_body[i]);
-    if (!r.ref_position_m.empty()) numbers(r.ref_position_m[i]);
-    if (!r.ref_moving.empty()) number(r.ref_moving[i]);
-    out.push_back('\n');
-    if (out.size() > (1U << 20U) || i + 1 == r.size()) {
-      written = written && std::fwrite(out.data(), 1, out.size(), file) == out.size();
-      out.clear();
-    }
+    format_row(r, i, out);
+    if (out.size() <= (1U << 20U)) continue;
+    written = written && std::fwrite(out.data(), 1, out.size(), file) == out.size();
+    out.clear();
   }
+  written = written && std::fwrite(out.data(), 1, out.size(), file) == out.size();
   written = std::fclose(file) == 0 && written;
   if (!written)
     return fail(ErrorKind::kCannotCreate, fmt::format("{}: could not be written whole; is the disk full?", path));
   return {};
+}
+
+}  // namespace
+
+Result<void> write_recording(const Recording& recording, const std::string& path) {
+  return write_rows(recording, path, "wb");
+}
+
+Result<void> append_recording(const Recording& recording, const std::string& path) {
+  return write_rows(recording, path, "ab");
 }
 
 std::vector<std::string> describe(const RecordingIssues& i) {

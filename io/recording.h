@@ -72,6 +72,8 @@ enum class OnMalformedRow { kFail, kCount };
 
 /// Writes the non-empty columns. Fails (73) when the file cannot be created or the disk is full.
 [[nodiscard]] Result<void> write_recording(const Recording& recording, const std::string& path);
+/// Rows after those of a file that write_recording began with the same columns.
+[[nodiscard]] Result<void> append_recording(const Recording& recording, const std::string& path);
 
 /// The irregularities in words, one a line, empty when there are none.
 [[nodiscard]] std::vector<std::string> describe(const RecordingIssues& issues);

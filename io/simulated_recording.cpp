@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace stillpoint::io {
 namespace {
@@ -44,6 +45,26 @@ Recording to_recording(const std::vector<sim::SimulatedSample>& rows) {
   out.header["world_frame"] = "ENU";
   for (const auto& row : rows) append(row, out);
   return out;
+}
+
+SimulatedRecordingFile::SimulatedRecordingFile(std::string path, const sim::SimulationConfig& c)
+    : path_(std::move(path)),
+      has_{c.accelerometer.has_value(), c.gyroscope.has_value(), c.magnetometer.has_value()},
+      part_(to_recording({})) {}
+
+Result<void> SimulatedRecordingFile::add(const sim::SimulatedSample& row) {
+  constexpr std::size_t kRowsOfAPart = 50'000;
+  append(row, part_);
+  return part_.size() < kRowsOfAPart ? Result<void>{} : finish();
+}
+
+Result<void> SimulatedRecordingFile::finish() {
+  std::vector<Vec3>* columns[] = {&part_.acc_mps2, &part_.gyr_radps, &part_.mag_uT};
+  for (std::size_t i = 0; i < 3; ++i)
+    if (has_[i]) columns[i]->resize(part_.size(), Vec3::Constant(kMissing));
+  const auto done = std::exchange(begun_, true) ? append_recording(part_, path_) : write_recording(part_, path_);
+  part_ = {};
+  return done;
 }
 
 sim::ReferenceTrack reference_track(const Recording& r) {

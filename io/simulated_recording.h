@@ -14,6 +14,22 @@ void append(const sim::SimulatedSample& row, Recording& to);
 
 [[nodiscard]] Recording to_recording(const std::vector<sim::SimulatedSample>& rows);
 
+/// A file that simulated rows are written to as they come, a part at a time, so that memory does not grow with the
+/// length of the recording.
+class SimulatedRecordingFile {
+ public:
+  SimulatedRecordingFile(std::string path, const sim::SimulationConfig& config);
+  [[nodiscard]] Result<void> add(const sim::SimulatedSample& row);
+  /// Writes what is left. Fails (73), as `add`, where the file cannot be written.
+  [[nodiscard]] Result<void> finish();
+
+ private:
+  std::string path_;
+  bool has_[3];  ///< acc, gyr, mag: columns of the file, whether a part holds a reading of them or not
+  bool begun_ = false;
+  Recording part_;
+};
+
 /// Reference columns as a track for sim::RecordedMotion; rows without a reference orientation are left out.
 [[nodiscard]] sim::ReferenceTrack reference_track(const Recording& recording);
 

@@ -29,8 +29,8 @@ void read_triad(const YAML::Node& map, const std::string& unit, TriadConfig& out
     if (const YAML::Node node = map[key]) read_value(node, value, range, key, faults);
   };
   const Range size = in_range(0.0, 1e6);
-  read("bias", out.bias, finite());
-  read("matrix", out.matrix, finite());
+  read("bias", out.bias, in_range(-1e9, 1e9));
+  read("matrix", out.matrix, in_range(-1e6, 1e6));
   read(noise, out.noise_sd, size);
   read("noise_axes", out.noise_axes, size);
   read("noise_band_hz", out.noise_band_hz, size);
@@ -57,6 +57,12 @@ void read_motion(const YAML::Node& node, SimulationConfig& c, YamlFaults& faults
   check_kind(node, m.kind, sim::motion_kind_names(), faults);
   if (m.min_bout_s > m.max_bout_s) faults.add(node, "'min_bout_s' is longer than 'max_bout_s'");
   if (m.min_rest_s > m.max_rest_s) faults.add(node, "'min_rest_s' is longer than 'max_rest_s'");
+  // A motion of bouts and rests is drawn beforehand: each takes half a kilobyte of memory.
+  constexpr double kMostBouts = 1e6;
+  const double bout_s = m.kind == "rest_poses" ? m.move_s : m.min_bout_s;
+  if (const double bouts = m.duration_s / (bout_s + m.min_rest_s); bouts > kMostBouts)
+    faults.add(node, fmt::format("{:.0f} bouts may come in 'duration_s', more than {:.0f}; make bouts or rests longer",
+                                 bouts, kMostBouts));
 }
 
 void read_environment(const YAML::Node& node, SimulationConfig& c, bool gravity_given, YamlFaults& faults) {
@@ -80,7 +86,8 @@ Result<SimulationConfig> read_root(const YAML::Node& root, const std::string& na
   if (const YAML::Node n = root["rate_hz"]) read_value(n, c.rate_hz, in_range(0.1, 1e5), "rate_hz", faults);
   if (const YAML::Node n = root["gravity_mps2"])
     read_value(n, c.gravity_mps2, in_range(0.1, 100.0), "gravity_mps2", faults);
-  if (const YAML::Node n = root["field_world_uT"]) read_value(n, c.field_world_uT, finite(), "field_world_uT", faults);
+  if (const YAML::Node n = root["field_world_uT"])
+    read_value(n, c.field_world_uT, in_range(-1e6, 1e6), "field_world_uT", faults);
   for (const auto& t : kTriads)
     if (const YAML::Node n = root[t.key]) read_triad(n, t.unit, (c.*t.member).emplace(), faults);
   if (!c.accelerometer && !c.gyroscope && !c.magnetometer)

@@ -37,7 +37,7 @@ void read_window(const YAML::Node& node, std::optional<std::pair<double, double>
 void read_parameter(const YAML::Node& node, const sim::EffectParameter& p, EffectConfig& out, YamlFaults& faults) {
   std::vector<double> values;
   const std::size_t before = faults.messages().size();
-  read_value(node, values, finite(), p.key, faults);
+  read_value(node, values, in_range(-1e9, 1e9), p.key, faults);  // beyond it numbers stop being numbers
   if (faults.messages().size() != before) return;
   const auto wanted = static_cast<std::size_t>(p.count);
   if (wanted == 3 && values.size() == 1) values.resize(3, values[0]);
@@ -71,22 +71,33 @@ void read_sensors(const YAML::Node& node, const sim::EffectInfo& info, EffectCon
 
 /// What the simulator cannot give a meaning to.
 void check_effect(const YAML::Node& entry, const EffectConfig& e, YamlFaults& faults) {
-  const auto positive_only = {"tau_s", "f_hz",   "zeta",    "average_s", "L_mps2",  "L_radps",
-                              "L_uT",  "q_mps2", "q_radps", "q_uT",      "band_hz", "limit_radps"};
-  for (const char* key : positive_only)
-    if (const auto it = e.parameters.find(key);
-        it != e.parameters.end() && (e.id.ends_with("_delay") || e.id == "sys_offset") == false)
-      if (*std::min_element(it->second.begin(), it->second.end()) <= 0.0)
-        faults.add(entry[key], fmt::format("'{}' must be greater than 0", key));
-  if (e.id == "mag_hold" || e.id == "sys_gap")
-    if (const auto it = e.parameters.find("n"); it != e.parameters.end())
-      if (it->second[0] != std::floor(it->second[0]) || it->second[0] < 1 || it->second[0] > 1e6)
-        faults.add(entry["n"], "'n' must be a whole number of samples, at least 1");
-  if (const auto it = e.parameters.find("zeta"); it != e.parameters.end() && it->second[0] >= 1.0)
-    faults.add(entry["zeta"], "'zeta' must be below 1: beyond it nothing resonates, use a low-pass");
-  if (const auto it = e.parameters.find("fraction");
-      it != e.parameters.end() && (it->second[0] < 0 || it->second[0] > 1))
-    faults.add(entry["fraction"], "'fraction' must be between 0 and 1");
+  const auto refuse_unless = [&](std::initializer_list<const char*> keys, auto&& good, const std::string& must) {
+    for (const char* key : keys)
+      if (const auto it = e.parameters.find(key);
+          it != e.parameters.end() && !std::all_of(it->second.begin(), it->second.end(), good))
+        faults.add(entry[key], fmt::format("'{}' must be {}", key, must));
+  };
+  const auto positive = [](double x) { return x > 0.0; };
+  const bool shift_in_time = e.id.ends_with("_delay") || e.id == "sys_offset";  // may be negative: ahead of its time
+  if (!shift_in_time) refuse_unless({"tau_s"}, positive, "greater than 0");
+  refuse_unless({"f_hz", "average_s", "L_mps2", "L_radps", "L_uT", "band_hz", "limit_radps"}, positive,
+                "greater than 0");
+  refuse_unless(
+      {"q_mps2", "q_radps", "q_uT"}, [](double q) { return q >= 1e-12; }, "greater than 0, at least 1e-12");
+  refuse_unless(
+      {"d_radps", "sd_s", "orientation_sd_rad", "position_sd_m"}, [](double x) { return x >= 0.0; }, "0 or greater");
+  refuse_unless(
+      {"eps_ppm"}, [](double x) { return x > -1e6; }, "above -1e6: there the clock stands still");
+  refuse_unless(
+      {"n"}, [](double n) { return n == std::floor(n) && n >= 1.0 && n <= 1e6; },
+      "a whole number of samples, 1 to 1e6");
+  refuse_unless(
+      {"zeta"}, [](double z) { return z > 0.0 && z < 1.0; },
+      "between 0 and 1: beyond 1 nothing resonates, use a low-pass");
+  refuse_unless(
+      {"fraction"}, [](double x) { return x >= 0.0 && x <= 1.0; }, "between 0 and 1");
+  refuse_unless(
+      {"hidden"}, [](double x) { return x == 0.0 || x == 1.0; }, "0 or 1");
 }
 
 }  // namespace

@@ -37,7 +37,7 @@ struct EffectConfig {
   std::string id;
   std::map<std::string, std::vector<double>> parameters;
   std::vector<int> axes;                              ///< 0, 1, 2; empty: all
-  std::vector<Sensor> sensors;                        ///< of an effect on several sensors; empty: all it acts on
+  std::vector<Sensor> sensors{};                      ///< of an effect on several sensors; empty: all it acts on
   std::optional<std::pair<double, double>> window_s;  ///< from the start of the recording; none: all the time
 };
 
@@ -58,7 +58,7 @@ struct MotionConfig {
     using P = MotionConfig;
     return std::tuple{
         field("kind", &P::kind, "which motion; docs/simulation.md lists them"),
-        field("duration_s", &P::duration_s, in_range(0.1, 1e7), "length of the recording"),
+        field("duration_s", &P::duration_s, in_range(0.1, 1e6), "length of the recording"),
         field("min_bout_s", &P::min_bout_s, in_range(0.5, 1e5), "shortest bout of motion"),
         field("max_bout_s", &P::max_bout_s, in_range(0.5, 1e5), "longest bout of motion"),
         field("min_rest_s", &P::min_rest_s, in_range(0.0, 1e5), "shortest rest"),

@@ -13,6 +13,7 @@ constexpr double kShortestRest_s = 1.0;
 constexpr double kRestWeight = 100.0;   // a rest's mean is known far better than one sample
 constexpr double kBridgeWeight = 1e-3;  // pseudo-samples in a gap only keep the curve from swinging
 constexpr double kGap_s = 0.5;
+constexpr double kMostKnots = 1e7;                           // 0.2 kB of memory each while they are solved
 constexpr double kStillest_rad = 0.01, kStillest_m = 0.003;  // no rest is noisier than this
 
 double median_step(const std::vector<double>& t_s) {
@@ -125,6 +126,11 @@ std::vector<std::pair<double, double>> spans_s(const std::vector<double>& t_s, c
 Result<std::unique_ptr<Motion>> RecordedMotion::from(ReferenceTrack track) {
   const std::size_t n = track.t_s.size();
   if (n < 10) return fail(ErrorKind::kBadData, "fewer than ten rows with a reference orientation: no motion to take");
+  const double step_s = median_step(track.t_s), length_s = track.t_s.back() - track.t_s.front();
+  if (!(length_s / step_s < kMostKnots))
+    return fail(ErrorKind::kBadData, "the reference spans " + std::to_string(length_s) + " s in steps of " +
+                                         std::to_string(step_s) +
+                                         " s, more than can be smoothed at once; is there a wrong time stamp?");
   CurveSamples<4> turns;
   CurveSamples<3> places;
   for (std::size_t i = 0; i < n; ++i) {
@@ -138,7 +144,6 @@ Result<std::unique_ptr<Motion>> RecordedMotion::from(ReferenceTrack track) {
   places.t_s = turns.t_s;
   places.weight = turns.weight;
   const auto rests = rest_spans(track);
-  const double step_s = median_step(track.t_s);
   // Sensors feel the second derivative of the place and the first of the orientation.
   const double turn_penalty = penalty_against_noise(turns, rests, step_s, 1);
   const double place_penalty = penalty_against_noise(places, rests, step_s, 2);

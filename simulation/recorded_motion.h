@@ -23,7 +23,7 @@ struct ReferenceTrack {
 
 class RecordedMotion final : public Motion {
  public:
-  /// Fails (65) with fewer than ten samples. Time 0 of the motion is the first sample.
+  /// Fails (65) with fewer than ten samples or a gap beyond reason. Time 0 of the motion is the first sample.
   [[nodiscard]] static Result<std::unique_ptr<Motion>> from(ReferenceTrack track);
 
   [[nodiscard]] MotionState at(double t_s) const noexcept override;

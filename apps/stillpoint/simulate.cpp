@@ -13,7 +13,7 @@ namespace stillpoint::app {
 namespace {
 
 using Json = nlohmann::ordered_json;
-constexpr double kMostRows = 2e7;  // 24 h at 200 Hz are 1.7e7; each row takes about 200 bytes of memory
+constexpr double kMostRows = 2e7;  // 24 h at 200 Hz are 1.7e7; each row takes about 250 bytes of disk
 
 struct Options {
   std::string simulation, output, truth, motion;
@@ -57,26 +57,23 @@ Json effect_json(const sim::EffectConfig& e, const sim::EffectStrength& s) {
   return out;
 }
 
-/// The recording, and the spans in which the body moved.
-struct Simulated {
-  io::Recording recording;
+/// Writes the recording; gives the spans in which the body moved.
+Result<Json> write_simulated(const Options& o, const sim::SimulationConfig& config, const Scene& scene) {
   Json bouts = Json::array();
-};
-
-Simulated run_simulator(const Options& o, const sim::SimulationConfig& config, const Scene& scene) {
-  Simulated out{io::to_recording({}), Json::array()};
+  io::SimulatedRecordingFile file(o.output, config);
   sim::Simulator simulator(config, scene.motion, o.seed, scene.environment);
   bool moved = false;
   double since_s = 0.0, t_s = 0.0;
   for (sim::SimulatedSample row; simulator.next(row);) {
-    io::append(row, out.recording);
+    if (auto done = file.add(row); !done) return tl::unexpected(done.error());
     t_s = 1e-9 * static_cast<double>(row.sample.t_ns);
     if (row.moving && !moved) since_s = t_s;
-    if (!row.moving && moved) out.bouts.push_back({since_s, t_s});
+    if (!row.moving && moved) bouts.push_back({since_s, t_s});
     moved = row.moving;
   }
-  if (moved) out.bouts.push_back({since_s, t_s});
-  return out;
+  if (moved) bouts.push_back({since_s, t_s});
+  if (auto done = file.finish(); !done) return tl::unexpected(done.error());
+  return bouts;
 }
 
 int write_truth(const Options& o, const sim::SimulationConfig& config, const Scene& scene, const Json& bouts) {
@@ -102,16 +99,23 @@ int simulate(const Options& o) {
   auto config = io::read_simulation(o.simulation);
   if (!config) return report(config.error());
   if (!o.motion.empty()) config->motion.reset();
-  if (config->motion && config->motion->duration_s * config->rate_hz > kMostRows)
-    return report(
-        {ErrorKind::kBadConfig, fmt::format("{}:1:1: {} s at {} Hz are more than the {} rows that are simulated "
-                                            "at once; lower duration_s or rate_hz",
-                                            o.simulation, config->motion->duration_s, config->rate_hz, kMostRows)});
+  const auto too_many = [&](double duration_s) {
+    return duration_s * config->rate_hz > kMostRows
+               ? report({ErrorKind::kBadConfig,
+                         fmt::format("{}:1:1: {} s at {} Hz are more than the {} rows a recording may have; lower "
+                                     "duration_s or rate_hz",
+                                     o.simulation, duration_s, config->rate_hz, kMostRows)})
+               : 0;
+  };
+  if (config->motion)
+    if (const int code = too_many(config->motion->duration_s)) return code;
   const auto scene = scene_of(o, *config);
   if (!scene) return report(scene.error());
-  const auto simulated = run_simulator(o, *config, *scene);
-  if (const auto written = io::write_recording(simulated.recording, o.output); !written) return report(written.error());
-  return o.truth.empty() ? 0 : write_truth(o, *config, *scene, simulated.bouts);
+  if (!config->motion)
+    if (const int code = too_many(scene->motion->duration_s())) return code;
+  const auto bouts = write_simulated(o, *config, *scene);
+  if (!bouts) return report(bouts.error());
+  return o.truth.empty() ? 0 : write_truth(o, *config, *scene, *bouts);
 }
 
 }  // namespace
