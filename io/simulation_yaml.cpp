@@ -10,6 +10,8 @@ namespace {
 using sim::SimulationConfig;
 using sim::TriadConfig;
 
+constexpr int kMostFrames = 32;  // bits in the simulator's mask of frames
+
 struct TriadKeys {
   const char* key;
   const char* unit;
@@ -97,6 +99,10 @@ Result<SimulationConfig> read_root(const YAML::Node& root, const std::string& na
       faults.add(n, "'effects' must be a list of {effect: ID, ...}");
     else
       for (const auto& item : n) read_effect(item, c.effects.emplace_back(), faults);
+    if (const auto frames =
+            std::count_if(c.effects.begin(), c.effects.end(), [](const auto& e) { return e.id == "ref_frame"; });
+        frames > kMostFrames)
+      faults.add(n, fmt::format("{} entries of ref_frame; {} at most", frames, kMostFrames));
   }
   if (const YAML::Node n = root["motion"]) read_motion(n, c, faults);
   if (const YAML::Node n = root["environment"]) read_environment(n, c, static_cast<bool>(root["gravity_mps2"]), faults);

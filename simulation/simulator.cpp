@@ -36,7 +36,7 @@ Simulator::Simulator(const SimulationConfig& config, std::shared_ptr<const Motio
       lost_random_(seed, "timing lost"),
       aux_random_(seed, "environment noise"),
       now_t_s_(std::numeric_limits<double>::quiet_NaN()) {
-  SP_EXPECTS(frame_.size() <= 32);
+  SP_EXPECTS(frame_.size() <= 32);  // bits of a mask; the reader of the YAML refuses more
   for (const auto& f : frame_) R_sensor_body_.push_back(exp_so3(-f.values.vec3(0)));
   const std::optional<TriadConfig>* triads[] = {&config_.accelerometer, &config_.gyroscope, &config_.magnetometer};
   for (const Sensor sensor : kSensors)

@@ -98,37 +98,6 @@ TEST(Law, LowPassLosesAmplitudeAndDelays) {
       5e-4);  // the input is taken as straight over 2.5 ms
 }
 
-TEST(Law, QuantisationPutsReadingsOnALattice) {
-  const Twins twins({effect("{effect: gyr_quant, q_radps: 0.01}")});
-  for (std::size_t i = 0; i < twins.size(); ++i) {
-    const double x = twins.on[i].sample.gyr_radps[1] / 0.01;
-    ASSERT_NEAR(x, std::round(x), 1e-9);
-    ASSERT_LE(std::abs(twins.gyr(i).y()), 0.005 + 1e-12);
-  }
-}
-
-TEST(Law, SaturationPilesUpAtTheRailAndHidesBehindAFilter) {
-  const std::string open = "{effect: gyr_sat, L_radps: 0.8}", hidden = "{effect: gyr_sat, L_radps: 0.8, hidden: 1}";
-  const auto pile = [](const Twins& w) {
-    return std::count_if(w.on.begin(), w.on.end(),
-                         [](const auto& r) { return std::abs(r.sample.gyr_radps[0]) == 0.8; });
-  };
-  const Twins plain({effect(open)});
-  EXPECT_GT(pile(plain), 50);
-  for (const auto& row : plain.on) ASSERT_LE(std::abs(row.sample.gyr_radps[0]), 0.8);
-  EXPECT_EQ(pile(Twins({effect(hidden), effect("{effect: gyr_lpf, tau_s: 0.005}")})), 0);
-}
-
-TEST(Law, DeadZoneIsExactlyZero) {
-  const Twins twins({effect("{effect: gyr_deadzone, d_radps: 0.01}")});
-  int zeros = 0;
-  for (const auto& row : twins.on) {
-    ASSERT_TRUE(row.sample.gyr_radps[2] == 0.0 || std::abs(row.sample.gyr_radps[2]) >= 0.01);
-    zeros += row.sample.gyr_radps[2] == 0.0 ? 1 : 0;
-  }
-  EXPECT_GT(zeros, 1000);
-}
-
 TEST(Law, ThermalLagDiesOutWhenTheTemperatureStands) {
   SimulationConfig c = base_config();
   c.motion->duration_s = 600.0;
@@ -138,17 +107,6 @@ TEST(Law, ThermalLagDiesOutWhenTheTemperatureStands) {
     const double t = twins.t(i), lag = 8.0 * 20.0 / 40.0 * (std::exp(-t / 60.0) - std::exp(-t / 20.0));
     ASSERT_NEAR(twins.gyr(i).x(), 0.01 * lag, 1e-6);
   }
-}
-
-TEST(Law, RectificationComesAndGoesWithTheVibration) {
-  SimulationConfig c = base_config();
-  c.motion = MotionConfig{
-      .kind = "drone", .duration_s = 60.0, .max_rest_s = 10.0, .vibration_hz = 37.0, .vibration_mps2 = 4.0};
-  const Twins twins({effect("{effect: gyr_vre, k_radps_per_mps2_2: 0.001}")}, c);
-  EXPECT_LT(twins.gyr(800).norm(), 1e-6);  // before the start nothing vibrates
-  double mean = 0.0;
-  for (std::size_t i = 2500; i < 3500; ++i) mean += (twins.gyr(i).x() + twins.gyr(i).y()) / 1000.0;
-  EXPECT_NEAR(mean, 0.016, 0.1 * 0.016);  // <f^2> of a sine of 4 m/s^2 is 8, in x and in y, whatever the yaw
 }
 
 }  // namespace

@@ -72,6 +72,36 @@ TEST(Law, TrackerHidesASlowBiasAndIsBlindToTheAccelerometer) {
   EXPECT_LT(left, 0.2 * without);
 }
 
+/// db/dt = (u - b) / tau at rest: of a constant bias exp(-t / tau) is left, on the axes chosen; in motion b stands
+/// still.
+TEST(Law, TrackerFollowsTheRestMeanWithItsTimeConstant) {
+  SimulationConfig c = base_config();
+  c.gyroscope->noise_sd = 0.0;
+  c.environment.temperature = {.kind = "constant", .start_degC = 35.0};
+  c.motion = MotionConfig{.kind = "hand", .duration_s = 40.0, .min_rest_s = 1e5, .max_rest_s = 1e5};
+  c.effects = {effect("{effect: gyr_temp_lin, k_radps_per_K: 0.001}"),
+               effect("{effect: sys_tracker, tau_s: 5, axes: [x, z]}")};
+  const auto rows = simulate(c, 4);
+  for (std::size_t i = 600; i + 500 < rows.size(); i += 50) {
+    const auto &now = rows[i].sample.gyr_radps, &later = rows[i + 500].sample.gyr_radps;
+    ASSERT_NEAR(later[0] / now[0], std::exp(-1.0), 0.005) << i;
+    ASSERT_NEAR(later[2] / now[2], std::exp(-1.0), 0.005) << i;
+    ASSERT_NEAR(now[1], 0.01, 1e-12);
+  }
+  const Twins hand({effect("{effect: gyr_temp_lin, k_radps_per_K: 0.001}"), effect("{effect: sys_tracker, tau_s: 5}")});
+  const Twins open({effect("{effect: gyr_temp_lin, k_radps_per_K: 0.001}")});
+  int inside = 0;
+  for (std::size_t i = 200; i < hand.size(); ++i) {
+    bool bout = true;  // a second after its start: the short means have left the rest behind
+    for (std::size_t k = i - 100; k <= i; ++k) bout = bout && hand.on[k].moving && hand.rate(k).norm() > 0.3;
+    if (!bout) continue;
+    const Vec3 now = hand.gyr(i) - open.gyr(i), before = hand.gyr(i - 1) - open.gyr(i - 1);
+    ASSERT_LT((now - before).norm(), 1e-12) << i;
+    ++inside;
+  }
+  EXPECT_GT(inside, 200);
+}
+
 TEST(Law, JitterGrowsWithTheMotionAndVanishesAtRest) {
   const Twins twins({effect("{effect: sys_jitter, sd_s: 0.001}")});
   double still = 0.0, ratio = 0.0, angular = 0.0;

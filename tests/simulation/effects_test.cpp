@@ -2,6 +2,7 @@
 #include <filesystem>
 #include <fstream>
 
+#include "simulation/strength.h"
 #include "tests/simulation/effect_twins.h"
 
 namespace stillpoint::sim {
@@ -83,6 +84,30 @@ TEST_P(EveryEffect, LeavesReadingsOutsideItsWindowAndOnOtherAxesAsTheyWere) {
     ASSERT_EQ(on.ref_position_m.z(), off.ref_position_m.z());
   }
   EXPECT_GT(changed, 0);
+}
+
+/// What --truth states of every effect: rms over noise and d' where it acts, nothing where it does not.
+TEST_P(EveryEffect, HasAStrengthInItsOwnSensorsAndInNoOther) {
+  const EffectInfo& info = *find_effect(GetParam());
+  SimulationConfig c = base_config();
+  c.motion->duration_s = 40.0;
+  if (info.id.ends_with("_vre")) c.motion->kind = "drone";
+  c.effects = {typical(info)};
+  const auto strength = effect_strengths(c, make_motion(*c.motion, 4), 4, {}).at(0);
+  EXPECT_EQ(strength.effect, info.id);
+  const bool all = (info.sensor == "sys" && info.id != "sys_tracker") || info.id == "ref_frame";
+  for (const Sensor sensor : kSensors) {
+    const Strength& found = strength.sensor[static_cast<std::size_t>(sensor)];
+    const bool acts = all || info.sensor == prefix(sensor) || (info.id == "sys_tracker" && sensor == Sensor::kGyr);
+    EXPECT_EQ(found.rms_over_noise > 0.0, acts) << prefix(sensor);
+    // A rotation of all sensors is a change of H in each: nothing of it is left.
+    if (info.id != "ref_frame")
+      EXPECT_EQ(found.d_prime > 0.0, acts) << prefix(sensor);
+    else
+      EXPECT_LT(found.d_prime, 1e-3 * found.rms_over_noise);
+    // Taking H and B off can only make it smaller: |change| over all three axes and rows, in units of the noise.
+    EXPECT_LE(found.d_prime, found.rms_over_noise * std::sqrt(3.0 * 4000.0) * (1.0 + 1e-9));
+  }
 }
 
 /// Where an effect acts on several sensors, one of them may be chosen.
