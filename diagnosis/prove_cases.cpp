@@ -6,14 +6,16 @@
 
 #include "diagnosis/prove.h"
 #include "diagnosis/prove_sha256.h"
+#include "diagnosis/prove_strength.h"
 #include "io/simulated_recording.h"
 #include "simulation/effect_catalogue.h"
-#include "simulation/strength.h"
 
 namespace stillpoint::diag {
 namespace {
 
 constexpr double kSmallestDPrime = 12.0, kLargestDPrime = 120.0;
+constexpr double kBadPart = 5.0;  // times the upper end of the usual sizes
+constexpr int kMostDraws = 30;
 
 /// Effects by how their size is set: scaled to a d', or drawn from the usual range of their parameters.
 const std::vector<std::string> kScaled{
@@ -101,26 +103,33 @@ sim::EffectConfig draw_effect(Draw& draw, const std::string& id, double duration
   return e;
 }
 
-double strongest(const sim::EffectStrength& s) {
-  double d = 0.0;
-  for (const auto& sensor : s.sensor) d = std::max(d, sensor.d_prime);
-  return d;
+/// d' of one effect alone; where no reference is given, that of the same motion under an exact one.
+double d_prime_of(sim::SimulationConfig config, std::size_t which, const std::shared_ptr<const sim::Motion>& motion,
+                  std::uint64_t seed) {
+  config.effects = {config.effects[which]};
+  if (config.reference.kind == "none") config.reference.kind = "exact";
+  return whitened_d_prime(config, motion, seed);
 }
 
-/// Scales the coefficients to a drawn d'. Times and time constants are left as they are.
+bool scales(const std::string& key) { return key != "t0_s" && key != "tau_s"; }
+
+/// Scales the coefficients to a drawn d', or as far as parts on the bad side go. Times and time constants are left as
+/// they are.
 void scale_to_d_prime(Draw& draw, sim::SimulationConfig& config, std::size_t which,
                       const std::shared_ptr<const sim::Motion>& motion, std::uint64_t seed) {
-  auto alone = config;
-  alone.effects = {config.effects[which]};
   const double wanted = draw.log_uniform(kSmallestDPrime, kLargestDPrime);
+  sim::EffectConfig& effect = config.effects[which];
   for (int pass = 0; pass < 2; ++pass) {
-    const double now = strongest(sim::effect_strengths(alone, motion, seed, {}).front());
+    const double now = d_prime_of(config, which, motion, seed);
     if (!(now > 0)) return;
-    for (auto& [key, values] : alone.effects[0].parameters)
-      if (key != "t0_s" && key != "tau_s")
-        for (double& v : values) v *= wanted / now;
+    double factor = wanted / now;
+    for (const auto& p : sim::find_effect(effect.id)->parameters)
+      if (const auto at = effect.parameters.find(p.key); at != effect.parameters.end() && scales(p.key))
+        for (const double v : at->second) factor = std::min(factor, kBadPart * p.typical_high / std::abs(v));
+    for (auto& [key, values] : effect.parameters)
+      if (scales(key))
+        for (double& v : values) v *= factor;
   }
-  config.effects[which] = alone.effects[0];
 }
 
 std::string kind_of(std::size_t index) {
@@ -161,6 +170,8 @@ void conceal(Draw& draw, const std::string& kind, double duration_s, sim::Simula
     const double length_s = draw.uniform(0.12, 0.2) * duration_s, start_s = draw.uniform(0.1, 0.7) * duration_s;
     truth.window_s = {start_s, start_s + length_s};
     config.effects[0].window_s = {start_s, start_s + length_s};
+    if (const auto t0 = config.effects[0].parameters.find("t0_s"); t0 != config.effects[0].parameters.end())
+      t0->second = {start_s};  // a step begins with its window
   }
   if (kind == "oneaxis") config.effects[0].axes = {static_cast<int>(draw.bits() % 3)};
 }
@@ -187,6 +198,25 @@ std::vector<std::string> effects_of(Draw& draw, const std::string& kind) {
     return {first, second};
   }
   return {draw.bits() % 3 == 0 ? draw.one_of(kDrawn) : draw.one_of(kScaled)};
+}
+
+void draw_effects(Draw& draw, const std::string& kind, double duration_s,
+                  const std::shared_ptr<const sim::Motion>& motion, std::uint64_t seed, sim::SimulationConfig& config,
+                  CaseTruth& truth) {
+  config.effects.clear();
+  for (const auto& id : effects_of(draw, kind)) config.effects.push_back(draw_effect(draw, id, duration_s));
+  conceal(draw, kind, duration_s, config, truth);
+  for (std::size_t i = 0; i < config.effects.size(); ++i)
+    if (std::find(kScaled.begin(), kScaled.end(), config.effects[i].id) != kScaled.end())
+      scale_to_d_prime(draw, config, i, motion, seed);
+}
+
+/// Some effects of a usual size drown in the noise of a camera; those are drawn anew before anything is sealed.
+bool all_can_be_seen(const sim::SimulationConfig& config, const std::shared_ptr<const sim::Motion>& motion,
+                     std::uint64_t seed) {
+  for (std::size_t i = 0; i < config.effects.size(); ++i)
+    if (d_prime_of(config, i, motion, seed) < 0.95 * kSmallestDPrime) return false;
+  return true;
 }
 
 }  // namespace
@@ -219,11 +249,10 @@ SealedCase draw_case(const std::string& salt, std::size_t index, bool quick) {
   c.baseline = config;
   const std::uint64_t seed = draw.bits();
   const std::shared_ptr<const sim::Motion> motion = sim::make_motion(*config.motion, seed);
-  for (const auto& id : effects_of(draw, kind)) config.effects.push_back(draw_effect(draw, id, duration_s));
-  conceal(draw, kind, duration_s, config, c.truth);
-  for (std::size_t i = 0; i < config.effects.size(); ++i)
-    if (std::find(kScaled.begin(), kScaled.end(), config.effects[i].id) != kScaled.end())
-      scale_to_d_prime(draw, config, i, motion, seed);
+  for (int drawn = 0; drawn < kMostDraws; ++drawn) {
+    draw_effects(draw, kind, duration_s, motion, seed, config, c.truth);
+    if (all_can_be_seen(config, motion, seed)) break;
+  }
   c.truth.noise = index % 40 == 7 ? "coloured" : index % 40 == 16 ? "uneven" : "white";
   if (c.truth.noise == "coloured")
     for (auto* t : {&config.accelerometer, &config.gyroscope, &config.magnetometer}) (*t)->noise_band_hz = 8.0;
@@ -235,13 +264,12 @@ SealedCase draw_case(const std::string& salt, std::size_t index, bool quick) {
     perturb(draw, *config.gyroscope, 0.002, 0.004);
     perturb(draw, *config.magnetometer, 0.8, 0.01);
   }
-  const auto strengths = sim::effect_strengths(config, motion, seed, {});
   for (std::size_t i = 0; i < config.effects.size(); ++i) {
     for (const auto& p : sim::find_effect(config.effects[i].id)->parameters)
       if (const auto at = config.effects[i].parameters.find(p.key); at != config.effects[i].parameters.end())
         c.truth.effects[config.effects[i].id][p.symbol] = at->second;
     act_on_axes(c.truth.effects[config.effects[i].id], config.effects[i].axes);
-    const double d = strongest(strengths[i]);
+    const double d = d_prime_of(config, i, motion, seed);
     c.truth.d_prime = i == 0 ? d : std::min(c.truth.d_prime, d);
   }
   c.recording = io::to_recording(sim::simulate(config, motion, seed));
