@@ -1,5 +1,6 @@
 #include "diagnosis/evidence.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace stillpoint::diag {
@@ -15,11 +16,16 @@ double rms_over(const Series3& x, const Eigen::ArrayXd& counts) {
   return std::sqrt(sum / std::max(3.0 * counts.sum(), 1.0));
 }
 
-/// The model without one effect: its columns gone, its offset put back.
-SensorSearch without_effect(const SensorSearch& search, std::size_t index) {
-  SensorSearch out = search;
-  if (out.found[index].offset.size()) out.target.residual += out.found[index].offset;
-  out.found.erase(out.found.begin() + static_cast<std::ptrdiff_t>(index));
+/// The model without some effects (ascending): their columns gone, their offsets put back.
+std::pair<Target, Columns> without_effects(const SensorSearch& search, const std::vector<std::size_t>& effects) {
+  std::pair<Target, Columns> out{search.target, {}};
+  for (std::size_t i = 0; i < search.found.size(); ++i) {
+    const Found& f = search.found[i];
+    if (!std::binary_search(effects.begin(), effects.end(), i))
+      out.second = joined(std::move(out.second), f.columns);
+    else if (f.offset.size())
+      out.first.residual += f.offset;
+  }
   return out;
 }
 
@@ -40,7 +46,9 @@ void free_the_shapes(const SensorSearch& search, const Target& t, Finished& out)
   std::vector<Eigen::Index> shaped;
   for (std::size_t i = 0; i < search.found.size(); ++i) {
     const Found& f = search.found[i];
-    if (!f.at_shape) continue;
+    if (f.shape_sd > 0) out.shape_sd[static_cast<Eigen::Index>(i)] = f.shape_sd;
+    // A level of clipping has a shape too, but its likelihood has a kink at every sample.
+    if (!f.at_shape || f.shape_unit != "s") continue;
     const double h = 1e-3 * f.shape;
     const Columns up = f.at_shape(f.shape + h), down = f.at_shape(f.shape - h);
     Column tangent{-1, Eigen::MatrixXd::Zero(t.layout.n, 3)};
@@ -86,10 +94,10 @@ Finished finish(const SensorSearch& search) {
   return out;
 }
 
-HeldOut held_out(const SensorSearch& search, std::size_t index) {
+HeldOut held_out(const SensorSearch& search, const std::vector<std::size_t>& effects) {
   const Target& t = search.target;
-  const SensorSearch less = without_effect(search, index);
-  const Columns all = search.explained(), fewer = less.explained();
+  const auto [less, fewer] = without_effects(search, effects);
+  const Columns all = search.explained();
   Target plain = t;
   plain.walk.resize(0, 0);
   const NoiseModel noise(t.layout, fit_profile(plain, all).leftover);
@@ -101,7 +109,7 @@ HeldOut held_out(const SensorSearch& search, std::size_t index) {
     Eigen::ArrayXd train = t.layout.counts;
     for (Eigen::Index i = 0; i < t.layout.n; ++i)
       if ((i / block) % 2 == fold) train[i] = 0.0;
-    const Series3 with = left_by(t, all, noise, train), without = left_by(less.target, fewer, noise, train);
+    const Series3 with = left_by(t, all, noise, train), without = left_by(less, fewer, noise, train);
     for (int axis = 0; axis < 3; ++axis) {
       const Series a = noise.whiten(t.layout, with.col(axis), axis),
                    b = noise.whiten(t.layout, without.col(axis), axis);

@@ -19,8 +19,8 @@ struct Finished {
 [[nodiscard]] Eigen::Index first_column(const SensorSearch& search, std::size_t index);
 
 /// Interleaved folds of 4 s: fitted on one half of the blocks, judged on the other, then exchanged. Before: without
-/// effect `index`.
-[[nodiscard]] HeldOut held_out(const SensorSearch& search, std::size_t index);
+/// the given effects, by index, ascending.
+[[nodiscard]] HeldOut held_out(const SensorSearch& search, const std::vector<std::size_t>& effects);
 
 /// Upper tail of chi-square with k degrees of freedom.
 [[nodiscard]] double chi_square_tail(double x, double k);

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "diagnosis/curves.h"
 #include "diagnosis/given_effects.h"
@@ -12,7 +13,8 @@
 namespace stillpoint::diag {
 namespace {
 
-constexpr double kTieNats = 5.0;  // closer than this the recording cannot tell two names apart
+constexpr double kTieNats = 5.0;        // closer than this the recording cannot tell two names apart
+constexpr double kTieNatsLocal = 10.0;  // where each name has its own best window
 constexpr double kDriftNats = 12.0;
 constexpr double kLeastShareOfFirst = 0.02;
 constexpr double kConfigurationP = 1e-6;
@@ -68,15 +70,15 @@ void describe_time(const Signals& s, const Found& f, Finding& out) {
 }
 
 /// Names that come so close that this recording cannot exclude them, and the best that it can.
-void rivals_of(const SensorSearch& search, const Found& f, Finding& out) {
-  const auto ranked =
-      std::find_if(search.ranking.begin(), search.ranking.end(), [&](const Ranked& r) { return r.id == f.id; });
-  if (ranked == search.ranking.end()) return;
-  for (const Ranked& r : search.ranking) {
+void rivals_of(const Found& f, Finding& out) {
+  const auto ranked = std::find_if(f.rivals.begin(), f.rivals.end(), [&](const Ranked& r) { return r.id == f.id; });
+  if (ranked == f.rivals.end()) return;
+  for (const Ranked& r : f.rivals) {
     if (r.id == f.id || r.id == "field_world" ||
         std::find(out.equivalent.begin(), out.equivalent.end(), r.id) != out.equivalent.end())
       continue;
-    const bool tie = r.net_nats > ranked->net_nats - kTieNats && r.id.rfind("unknown", 0) != 0;
+    const bool tie =
+        r.net_nats > ranked->net_nats - (f.window.local ? kTieNatsLocal : kTieNats) && r.id.rfind("unknown", 0) != 0;
     if (tie && out.equivalent.size() < kMostEquivalent) {
       out.equivalent.push_back(r.id);
     } else if (!tie && out.runner_up_effect.empty()) {
@@ -108,11 +110,13 @@ Finding finding_from(const Signals& s, const SensorSearch& search, std::size_t i
   describe_time(s, f, out);
   channels_of(search, index, finished, out);
   parameters_of(search, index, finished, out);
-  out.held_out = held_out(search, index);
+  out.held_out = held_out(search, {index});
   out.p_value = std::min(1.0, chi_square_tail(2.0 * f.gain_nats, static_cast<double>(f.columns.size())) *
                                   static_cast<double>(search.laws.size() + search.unknown.size()) *
                                   (f.window.local ? 500.0 : 1.0));
-  rivals_of(search, f, out);
+  // A current nearby that was not recorded does what a piece of iron does.
+  if (f.id == "mag_hard_step" && !s.current_A.size()) out.equivalent.emplace_back("mag_current");
+  rivals_of(f, out);
   out.figures = curves_of(s, search, index, finished);
   out.decided_by = deciding_recording(out);
   out.confidence = 1.0 / (1.0 + std::exp(-std::min(0.5 * f.net_nats, 30.0)));
@@ -138,6 +142,9 @@ int locals(const SensorSearch& search) {
 Finding switching_finding(const Signals& s, const SensorSearch& search, const Finished& finished) {
   Finding out = finding_from(s, search, 0, finished);
   out.effect = "unknown:switched(t)";
+  std::vector<std::size_t> all(search.found.size());
+  std::iota(all.begin(), all.end(), 0);
+  out.held_out = held_out(search, all);
   out.equivalent.clear();
   out.parameters.clear();
   out.interval_s = {0.0, s.duration_s()};
@@ -279,7 +286,8 @@ void report_sensor(const Signals& s, const EngineResult& engine, Sensor sensor,
   }
   const std::string drift = std::string(kSensorName[sensor]) + "_drift";
   const bool known_drift = std::any_of(given.begin(), given.end(), [&](const auto& e) { return e.id == drift; });
-  if (drifts && !known_drift && !switched) {
+  // What drifts beside an unknown law is what its product leaves of it.
+  if (drifts && !known_drift && !switched && !search.has_unknown()) {
     findings.push_back(drift_finding(s, search, finished));
     sim::EffectConfig e;
     e.id = drift;

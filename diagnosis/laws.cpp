@@ -2,9 +2,7 @@
 
 #include <fmt/format.h>
 
-#include <cmath>
-
-#include "diagnosis/response.h"
+#include "diagnosis/columns.h"
 
 namespace stillpoint::diag {
 namespace {
@@ -16,77 +14,6 @@ std::vector<std::string> entries(const std::string& letter) {
   for (const char* row : kAxisName)
     for (const char* column : kAxisName) names.push_back(fmt::format("{}_{}{}", letter, row, column));
   return names;
-}
-
-/// T - T_L with tau dT_L/dt = T - T_L, started in equilibrium.
-Series lagged_difference(const Series& T, double dt_s, double tau_s) {
-  Series out(T.size());
-  double lagged = T.size() ? T[0] : 0.0;
-  const double share = 1.0 - std::exp(-dt_s / tau_s);
-  for (Eigen::Index i = 0; i < T.size(); ++i) {
-    lagged += share * (T[i] - lagged);
-    out[i] = T[i] - lagged;
-  }
-  return out;
-}
-
-/// What is left of x when an adaptive bias estimate, started at zero, follows it at rest with time constant tau and
-/// holds in motion.
-Series after_tracker(const Series& x, const Mask& rest, double dt_s, double tau_s) {
-  Series out(x.size());
-  double tracked = 0.0;
-  const double share = 1.0 - std::exp(-dt_s / tau_s);
-  for (Eigen::Index i = 0; i < x.size(); ++i) {
-    if (rest[static_cast<std::size_t>(i)]) tracked += share * (x[i] - tracked);
-    out[i] = x[i] - tracked;
-  }
-  return out;
-}
-
-Series3 world_vector(const Signals& s, const Vec3& v) {
-  return v.x() * s.world_axis[0] + v.y() * s.world_axis[1] + v.z() * s.world_axis[2];
-}
-
-Columns coupled(std::initializer_list<Series3> parts) {
-  Columns out;
-  for (const auto& part : parts) out.push_back({-1, part});
-  return out;
-}
-
-Columns world_fixed(const Signals& s) { return coupled({s.world_axis[0], s.world_axis[1], s.world_axis[2]}); }
-
-/// omega' x e_j + omega x (omega x e_j)
-Series3 lever_column(const Signals& s, int j) {
-  Series3 out(s.n, 3);
-  for (Eigen::Index i = 0; i < s.n; ++i) {
-    const Vec3 w = s.rate.row(i), a = s.rate_dot.row(i), e = Vec3::Unit(j);
-    out.row(i) = a.cross(e) + w.cross(w.cross(e));
-  }
-  return out;
-}
-
-Columns size_columns(const Signals& s) {
-  Columns out;
-  std::array<Series3, 3> lever{lever_column(s, 0), lever_column(s, 1), lever_column(s, 2)};
-  for (int axis = 0; axis < 3; ++axis)
-    for (const auto& column : lever) out.push_back({axis, column.col(axis)});
-  return out;
-}
-
-/// R' G p with the nine entries of G free: a measured map need not be free of curl to be a gradient in the catalogue's
-/// sense.
-Columns gradient_columns(const Signals& s) {
-  Columns out;
-  for (int row = 0; row < 3; ++row)
-    for (int c = 0; c < 3; ++c)
-      out.push_back({-1, s.position_m.col(c).asDiagonal() * s.world_axis[static_cast<std::size_t>(row)]});
-  return out;
-}
-
-Series3 at_rest_zero(const Signals& s, Series3 x) {
-  for (Eigen::Index i = 0; i < s.n; ++i)
-    if (s.rest[static_cast<std::size_t>(i)]) x.row(i).setZero();
-  return x;
 }
 
 class LawList {
@@ -149,7 +76,6 @@ class LawList {
           {name + "_x", name + "_y", name + "_z"}, unit,
           "delta = x - b, db/dt = (x - b) / tau at rest, x as without the estimator",
           "temperature, partly absorbed by an adaptive bias estimate");
-      law.extent = Extent::kWhole;
       law.shapes = {3.0, 6.0, 10.0, 15.0, 22.0, 32.0, 50.0};
       law.shape_name = kTrackerShape;
       law.shape_unit = "s";
@@ -235,18 +161,32 @@ class LawList {
           "acc_size", [&s](double) { return size_columns(s); }, entries("r"), "m",
           "delta_i = [omega' x r_i + omega x (omega x r_i)]_i", "angular acceleration and squared rate, per axis");
       add(
-          "acc_gravity", [&s](double) { return coupled({world_vector(s, Vec3::UnitZ())}); }, {"dg"}, "m/s^2",
-          "delta = dg R' e_z", "attitude")
-          .extent = Extent::kWhole;
+          "acc_gravity", [&s](double) { return coupled({s.world_axis[2]}); }, {"dg"}, "m/s^2", "delta = dg R' e_z",
+          "attitude");
     }
+  }
+
+  /// Clipped at the element, before the filter rounds its corners: no reading lies on the rail.
+  void hidden_saturation() {
+    const Signals& s = s_;
+    const Sensor k = sensor_;
+    const auto raw = [&s, k]() -> Series3 {
+      return (s.vector[k] * s.triad[k].matrix.inverse().transpose()).rowwise() + s.triad[k].bias.transpose();
+    };
     Law& sat = add(
-        "acc_sat",
-        [&s](double level) { return coupled({s.vector[kAcc].cwiseMin(level).cwiseMax(-level) - s.vector[kAcc]}); },
-        {"share"}, "1", "y = clip(y, +-L) before filtering", "specific force above a level");
-    const double top = s.vector[kAcc].cwiseAbs().maxCoeff();
-    sat.shapes = {0.6 * top, 0.7 * top, 0.8 * top, 0.9 * top};
+        prefix_ + "sat",
+        [&s, k, raw](double level) {
+          const Series3 y = raw();
+          return coupled({(y.cwiseMin(level).cwiseMax(-level) - y) * s.triad[k].matrix.transpose()});
+        },
+        {"share"}, "1", "y = clip(y, +-L) before filtering", "the reading above a level");
+    const double top = raw().cwiseAbs().maxCoeff();
+    for (const double share : {0.5, 0.6, 0.7, 0.8, 0.9}) sat.shapes.push_back(share * top);
+    sat.shapes.erase(sat.shapes.begin());
     sat.shape_name = "L";
-    sat.shape_unit = "m/s^2";
+    sat.shape_unit = kSensorUnit[k];
+    sat.fixed["hidden"] = 1.0;
+    sat.extent = Extent::kWhole;
   }
 
   void gyroscope() {
@@ -288,6 +228,13 @@ class LawList {
     field.extent = Extent::kWhole;
   }
 
+  /// Temperature, supply and the Earth do not stop acting in the middle of a recording.
+  void never_local(std::initializer_list<const char*> parts) {
+    for (Law& law : laws_)
+      for (const char* part : parts)
+        if (law.id.find(part) != std::string::npos) law.extent = Extent::kWhole;
+  }
+
   std::vector<Law> take() { return std::move(laws_); }
 
  private:
@@ -299,17 +246,6 @@ class LawList {
 
 }  // namespace
 
-Columns on_each_axis(const Series& x) { return {{0, x}, {1, x}, {2, x}}; }
-
-Columns diagonal(const Series3& x) { return {{0, x.col(0)}, {1, x.col(1)}, {2, x.col(2)}}; }
-
-Columns matrix_of(const Series3& x) {
-  Columns out;
-  for (int row = 0; row < 3; ++row)
-    for (int c = 0; c < 3; ++c) out.push_back({row, x.col(c)});
-  return out;
-}
-
 std::vector<Law> make_laws(const Signals& s, Sensor sensor) {
   LawList list(s, sensor);
   list.thermal();
@@ -317,69 +253,13 @@ std::vector<Law> make_laws(const Signals& s, Sensor sensor) {
   if (sensor != kMag) list.vibration();
   list.timing();
   list.supply();
+  if (sensor != kMag) list.hidden_saturation();
   if (sensor == kAcc) list.accelerometer();
   if (sensor == kGyr) list.gyroscope();
   if (sensor == kGyr) list.thermal_behind_tracker();
   if (sensor == kMag) list.magnetometer();
+  list.never_local({"_temp_", "_volt", "_earth", "_gravity", "_vre"});
   return list.take();
-}
-
-std::vector<Law> make_unknown_laws(const Signals& s, Sensor sensor) {
-  struct Scalar {
-    std::string name;
-    Series x;
-  };
-  struct Vector {
-    std::string name;
-    Series3 x;
-  };
-  std::vector<Scalar> scalars;
-  if (s.temperature_K.size()) scalars.push_back({"(T-T0)", s.temperature_K});
-  if (s.current_A.size()) scalars.push_back({"I", s.current_A});
-  if (s.voltage_V.size()) scalars.push_back({"(V-V0)", s.voltage_V.array() - s.voltage_V.mean()});
-  scalars.push_back({"|w|", s.rate.rowwise().norm()});
-  std::vector<Vector> vectors{{"f", s.vector[kAcc]}, {"w", s.rate}, {"m", s.vector[kMag]}, {"dw/dt", s.rate_dot}};
-  const int own = sensor;
-  std::vector<Law> laws;
-  const auto add = [&](const std::string& name, Columns columns) {
-    Law law;
-    law.id = "unknown:" + name;
-    law.kind = Kind::kUnknown;
-    law.columns = [columns = std::move(columns)](double) { return columns; };
-    law.coefficients = kPerAxis;
-    law.unit = "see driver";
-    law.equation = "delta = k " + name;
-    law.driver = name;
-    laws.push_back(std::move(law));
-  };
-  for (std::size_t v = 0; v < vectors.size(); ++v) {
-    const Vector& w = vectors[v];
-    if (v == 2 && !s.present[kMag] && !s.has_orientation) continue;
-    for (std::size_t d = 0; d < scalars.size(); ++d) {
-      const bool catalogued = static_cast<int>(v) == own && scalars[d].name == "(T-T0)";
-      if (!catalogued) add(w.name + "*" + scalars[d].name, diagonal(scalars[d].x.asDiagonal() * w.x));
-      for (int j = 0; j < 3; ++j)
-        add(fmt::format("{}_{}*{}", w.name, kAxisName[static_cast<std::size_t>(j)], scalars[d].name),
-            on_each_axis(scalars[d].x.cwiseProduct(w.x.col(j))));
-    }
-    if (static_cast<int>(v) == own || (sensor == kGyr && v == 0)) continue;
-    add(w.name, diagonal(w.x));
-    for (int j = 0; j < 3; ++j)
-      add(fmt::format("{}_{}", w.name, kAxisName[static_cast<std::size_t>(j)]), on_each_axis(w.x.col(j)));
-  }
-  for (std::size_t v = 0; v < 3; ++v)
-    for (std::size_t u = v; u < 3; ++u)
-      for (int i = 0; i < 3; ++i)
-        for (int j = (u == v ? i : 0); j < 3; ++j)
-          add(fmt::format("{}_{}*{}_{}", vectors[v].name, kAxisName[static_cast<std::size_t>(i)], vectors[u].name,
-                          kAxisName[static_cast<std::size_t>(j)]),
-              on_each_axis(vectors[v].x.col(i).cwiseProduct(vectors[u].x.col(j))));
-  for (const auto& d : scalars) {
-    const bool catalogued =
-        d.name == "(T-T0)" || (d.name == "(V-V0)" && sensor != kMag) || (d.name == "I" && sensor == kMag);
-    if (!catalogued) add(d.name, on_each_axis(d.x));
-  }
-  return laws;
 }
 
 }  // namespace stillpoint::diag

@@ -3,6 +3,7 @@
 /// (timing.h).
 #pragma once
 #include <functional>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -27,7 +28,8 @@ struct Law {
   Kind kind = Kind::kNamed;
   Extent extent = Extent::kAny;
   std::vector<double> shapes{0.0};
-  std::string shape_name, shape_unit;  ///< empty: the law has no inner parameter
+  std::string shape_name, shape_unit;   ///< empty: the law has no inner parameter
+  std::map<std::string, double> fixed;  ///< keys of the catalogue that this form of the law implies
   std::function<Columns(double shape)> columns;
   std::vector<std::string> coefficients;  ///< names, one a column
   std::string unit, equation, driver;
@@ -37,12 +39,5 @@ struct Law {
 [[nodiscard]] std::vector<Law> make_laws(const Signals& s, Sensor sensor);
 /// Products of drivers outside the catalogue, about a hundred a sensor.
 [[nodiscard]] std::vector<Law> make_unknown_laws(const Signals& s, Sensor sensor);
-
-/// One column an axis, each with its own coefficient: k o x.
-[[nodiscard]] Columns diagonal(const Series3& x);
-/// A full 3x3 matrix of coefficients times x, row-major.
-[[nodiscard]] Columns matrix_of(const Series3& x);
-/// One scalar driver with a coefficient an axis.
-[[nodiscard]] Columns on_each_axis(const Series& x);
 
 }  // namespace stillpoint::diag

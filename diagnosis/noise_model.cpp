@@ -97,13 +97,17 @@ NoiseModel::NoiseModel(const Layout& layout, const Series3& leftover) : inverse_
 }
 
 Series NoiseModel::filter(const Layout& layout, const Series& x, int axis) const {
+  constexpr Eigen::Index kInCache = 512;
   Series out = x;
   for (const Segment& g : layout.segments) {
     const Eigen::VectorXd& a = coefficients_[static_cast<std::size_t>(g.regime)][static_cast<std::size_t>(axis)];
-    for (Eigen::Index j = 0; j < a.size(); ++j) {
-      const Eigen::Index begin = std::max(g.begin, j + 1);
-      if (begin >= g.end) break;
-      out.segment(begin, g.end - begin) -= a[j] * x.segment(begin - j - 1, g.end - begin);
+    for (Eigen::Index first = g.begin; first < g.end; first += kInCache) {
+      const Eigen::Index last = std::min(first + kInCache, g.end);
+      for (Eigen::Index j = 0; j < a.size(); ++j) {
+        const Eigen::Index begin = std::max(first, g.begin + j + 1);
+        if (begin >= last || begin - j - 1 < 0) continue;
+        out.segment(begin, last - begin) -= a[j] * x.segment(begin - j - 1, last - begin);
+      }
     }
   }
   return out;

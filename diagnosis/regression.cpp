@@ -170,8 +170,12 @@ Fit fit_with(const Target& t, const Columns& columns, const NoiseModel& noise, c
 }
 
 Fit fit_profile(const Target& t, const Columns& columns) {
-  // The start is ordinary least squares: white noise of one size.
-  Fit fit = fit_with(t, columns, NoiseModel(t.layout, t.residual), {0.0, 0.0, 0.0});
+  // The start is least squares under white noise. An autoregression of the residual itself would take offset and trend
+  // for memory, whiten them away, and never find back to what explains them.
+  Target white = t;
+  white.walk.resize(0, 0);
+  white.layout.order = 0;
+  Fit fit = fit_with(white, columns, NoiseModel(white.layout, white.residual), {0.0, 0.0, 0.0});
   std::array<double, 3> q{};
   for (int round = 0; round < kProfileRounds; ++round) {
     const NoiseModel noise(t.layout, fit.leftover);

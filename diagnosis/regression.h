@@ -22,6 +22,11 @@ using Columns = std::vector<Column>;
   return Series(c.axis >= 0 ? c.x.col(0) : c.x.col(axis));
 }
 
+[[nodiscard]] inline Columns joined(Columns a, const Columns& b) {
+  a.insert(a.end(), b.begin(), b.end());
+  return a;
+}
+
 /// One sensor's side of the problem, the same for every hypothesis.
 struct Target {
   Sensor sensor = kAcc;

@@ -11,7 +11,21 @@ constexpr Eigen::Index kCoarse = 4;  // window edges are tried every 4 blocks, t
 constexpr std::array<double, 8> kLengths_s{8, 10, 12, 16, 20, 26, 32, 40};
 constexpr double kShortestStep_s = 4.0;
 
+/// Columns over their Cholesky factor: orthonormal where `gram` is their Gram matrix. Units are taken out first, and a
+/// whisper of ridge stands against exact copies.
+void make_orthonormal(Eigen::Ref<Eigen::MatrixXd> columns, const Eigen::MatrixXd& gram) {
+  if (columns.cols() == 0) return;
+  const Eigen::VectorXd scale = gram.diagonal().cwiseMax(1e-280).cwiseSqrt().cwiseInverse();
+  Eigen::MatrixXd S = scale.asDiagonal() * gram * scale.asDiagonal();
+  S.diagonal().array() += 1e-9;
+  const Eigen::LLT<Eigen::MatrixXd> llt(S);
+  const Eigen::MatrixXd T = llt.matrixU().solve(Eigen::MatrixXd(Eigen::MatrixXd::Identity(S.rows(), S.cols())));
+  columns = (columns * scale.asDiagonal() * T).eval();
+}
+
 }  // namespace
+
+double shortest_s(Extent extent) { return extent == Extent::kStep ? kShortestStep_s : kLengths_s[0] - 2.0; }
 
 Columns in_window(Columns columns, const Window& window) {
   if (!window.local) return columns;
@@ -23,70 +37,72 @@ Columns in_window(Columns columns, const Window& window) {
 }
 
 Scan::Scan(const Target& target, const Columns& explained, const NoiseModel& noise) : target_(target), noise_(noise) {
-  const Eigen::Index n = target.layout.n, z = target.nuisance.cols();
-  const Eigen::Index B = 3 * z + static_cast<Eigen::Index>(explained.size()) + 3 * target.walk.cols();
+  const Eigen::Index n = target.layout.n;
   block_ = std::max<Eigen::Index>(1, static_cast<Eigen::Index>(std::lround(kBlock_s / target.dt_s)));
   blocks_ = (n + block_ - 1) / block_;
-  Eigen::MatrixXd G = Eigen::MatrixXd::Zero(B, B);
+  own_ = target.nuisance.cols() + target.walk.cols();
+  shared_ = static_cast<Eigen::Index>(explained.size());
+  Eigen::MatrixXd joint = Eigen::MatrixXd::Zero(shared_, shared_);
   for (int axis = 0; axis < 3; ++axis) {
-    Eigen::MatrixXd& base = base_[static_cast<std::size_t>(axis)];
-    base = Eigen::MatrixXd::Zero(n, B);
-    for (Eigen::Index j = 0; j < z; ++j)
-      base.col(axis * z + j) = noise.whiten(target.layout, target.nuisance.col(j), axis);
+    Eigen::MatrixXd own(n, own_), shared = Eigen::MatrixXd::Zero(n, shared_);
+    for (Eigen::Index j = 0; j < target.nuisance.cols(); ++j)
+      own.col(j) = noise.whiten(target.layout, target.nuisance.col(j), axis);
+    for (Eigen::Index j = 0; j < target.walk.cols(); ++j)
+      own.col(target.nuisance.cols() + j) = noise.whiten(target.layout, target.walk.col(j), axis);
     for (std::size_t j = 0; j < explained.size(); ++j)
       if (const auto shown = shown_in(explained[j], axis))
-        base.col(3 * z + static_cast<Eigen::Index>(j)) = noise.whiten(target.layout, *shown, axis);
-    for (Eigen::Index j = 0; j < target.walk.cols(); ++j)
-      base.col(B - (3 - axis) * target.walk.cols() + j) = noise.whiten(target.layout, target.walk.col(j), axis);
-    G.noalias() += base.transpose() * base;
-  }
-  const Eigen::VectorXd scale = G.diagonal().cwiseMax(1e-280).cwiseSqrt().cwiseInverse();
-  Eigen::MatrixXd S = scale.asDiagonal() * G * scale.asDiagonal();
-  S.diagonal().array() += 1e-9;
-  const Eigen::MatrixXd L = S.llt().matrixL();
-  Eigen::VectorXd projection = Eigen::VectorXd::Zero(B);
-  for (int axis = 0; axis < 3; ++axis) {
+        shared.col(static_cast<Eigen::Index>(j)) = noise.whiten(target.layout, *shown, axis);
+    make_orthonormal(own, own.transpose() * own);
+    shared -= own * (own.transpose() * shared).eval();
+    joint.noalias() += shared.transpose() * shared;
     Eigen::MatrixXd& base = base_[static_cast<std::size_t>(axis)];
-    const Eigen::MatrixXd scaled = base * scale.asDiagonal();
-    base = L.triangularView<Eigen::Lower>().solve(scaled.transpose()).transpose();
+    base.resize(n, own_ + shared_);
+    base << own, shared;
     residual_[static_cast<std::size_t>(axis)] = noise.whiten(target.layout, target.residual.col(axis), axis);
-    projection += base.transpose() * residual_[static_cast<std::size_t>(axis)];
   }
-  for (int axis = 0; axis < 3; ++axis)
-    residual_[static_cast<std::size_t>(axis)] -= base_[static_cast<std::size_t>(axis)] * projection;
+  Eigen::VectorXd projection = Eigen::VectorXd::Zero(shared_);
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    make_orthonormal(base_[axis].rightCols(shared_), joint);
+    residual_[axis] -= base_[axis].leftCols(own_) * (base_[axis].leftCols(own_).transpose() * residual_[axis]).eval();
+    projection += base_[axis].rightCols(shared_).transpose() * residual_[axis];
+  }
+  for (std::size_t axis = 0; axis < 3; ++axis) residual_[axis] -= base_[axis].rightCols(shared_) * projection;
 }
 
 Scan::Sums Scan::sums_of(const Columns& columns) const {
   const auto p = static_cast<Eigen::Index>(columns.size());
-  const Eigen::Index B = base_[0].cols(), n = target_.layout.n;
+  const Eigen::Index n = target_.layout.n;
   Sums out;
   out.self.assign(static_cast<std::size_t>(blocks_) + 1, Eigen::MatrixXd::Zero(p, p));
-  out.base.assign(static_cast<std::size_t>(blocks_) + 1, Eigen::MatrixXd::Zero(p, B));
+  out.base.assign(static_cast<std::size_t>(blocks_) + 1, Eigen::MatrixXd::Zero(p, 3 * own_ + shared_));
   out.residual.assign(static_cast<std::size_t>(blocks_) + 1, Eigen::VectorXd::Zero(p));
   for (int axis = 0; axis < 3; ++axis) {
+    const Eigen::MatrixXd& base = base_[static_cast<std::size_t>(axis)];
+    const Series& residual = residual_[static_cast<std::size_t>(axis)];
     std::vector<Eigen::Index> index;
-    std::vector<Series> whitened;
+    Eigen::MatrixXd X(n, p);
     for (Eigen::Index j = 0; j < p; ++j) {
       const auto shown = shown_in(columns[static_cast<std::size_t>(j)], axis);
       if (!shown) continue;
+      X.col(static_cast<Eigen::Index>(index.size())) = noise_.whiten(target_.layout, *shown, axis);
       index.push_back(j);
-      whitened.push_back(noise_.whiten(target_.layout, *shown, axis));
     }
-    Eigen::MatrixXd X(n, static_cast<Eigen::Index>(index.size()));
-    for (std::size_t j = 0; j < whitened.size(); ++j) X.col(static_cast<Eigen::Index>(j)) = whitened[j];
+    const auto shown = static_cast<Eigen::Index>(index.size());
+    Eigen::MatrixXd with_base(base.cols(), shown), self(shown, shown);
+    Eigen::VectorXd r(shown);
     for (Eigen::Index b = 0; b < blocks_; ++b) {
       const Eigen::Index begin = b * block_, length = std::min(block_, n - begin);
-      const auto rows = X.middleRows(begin, length);
-      const Eigen::MatrixXd self = rows.transpose() * rows;
-      const Eigen::MatrixXd base = rows.transpose() * base_[static_cast<std::size_t>(axis)].middleRows(begin, length);
-      const Eigen::VectorXd r = rows.transpose() * residual_[static_cast<std::size_t>(axis)].segment(begin, length);
+      const auto rows = X.leftCols(shown).middleRows(begin, length);
+      with_base.noalias() = base.middleRows(begin, length).transpose() * rows;
+      self.noalias() = rows.transpose() * rows;
+      r.noalias() = rows.transpose() * residual.segment(begin, length);
       const auto at = static_cast<std::size_t>(b) + 1;
-      for (std::size_t i = 0; i < index.size(); ++i) {
-        const auto li = static_cast<Eigen::Index>(i);
-        out.residual[at][index[i]] += r[li];
-        out.base[at].row(index[i]) += base.row(li);
-        for (std::size_t j = 0; j < index.size(); ++j)
-          out.self[at](index[i], index[j]) += self(li, static_cast<Eigen::Index>(j));
+      for (Eigen::Index i = 0; i < shown; ++i) {
+        const Eigen::Index row = index[static_cast<std::size_t>(i)];
+        out.residual[at][row] += r[i];
+        out.base[at].row(row).segment(axis * own_, own_) += with_base.col(i).head(own_);
+        out.base[at].row(row).tail(shared_) += with_base.col(i).tail(shared_);
+        for (Eigen::Index j = 0; j < shown; ++j) out.self[at](row, index[static_cast<std::size_t>(j)]) += self(i, j);
       }
     }
   }
@@ -110,8 +126,7 @@ double Scan::gain(const Sums& sums, Eigen::Index first, Eigen::Index last) const
 }
 
 void Scan::refine_edges(const Sums& sums, const Law& law, Eigen::Index& first, Eigen::Index& last, double& best) const {
-  const auto shortest =
-      static_cast<Eigen::Index>((law.extent == Extent::kStep ? kShortestStep_s : kLengths_s[0]) / kBlock_s);
+  const auto shortest = static_cast<Eigen::Index>(shortest_s(law.extent) / kBlock_s);
   for (int round = 0; round < 2; ++round) {
     for (Eigen::Index* edge : {&first, &last}) {
       const Eigen::Index centre = *edge;
@@ -143,8 +158,7 @@ std::vector<Candidate> Scan::look(const Law& law, std::size_t index) const {
       const double g = gain(sums, first, last);
       if (g > best) best = g, best_first = first, best_last = last;
     };
-    const auto shortest_open =
-        static_cast<Eigen::Index>((law.extent == Extent::kStep ? kShortestStep_s : kLengths_s[0]) / kBlock_s);
+    const auto shortest_open = static_cast<Eigen::Index>(shortest_s(law.extent) / kBlock_s);
     for (Eigen::Index first = 0; first < blocks_; first += kCoarse) {
       if (first > 0 && blocks_ - first >= shortest_open) consider(first, blocks_);
       if (law.extent == Extent::kStep) {

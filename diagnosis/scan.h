@@ -11,6 +11,9 @@ struct Window {
   Eigen::Index begin = 0, end = 0;
 };
 
+/// The shortest window that is believed: a step is seen by its edge, another law needs its driver to vary.
+[[nodiscard]] double shortest_s(Extent extent);
+
 /// Zero outside of the window.
 [[nodiscard]] Columns in_window(Columns columns, const Window& window);
 
@@ -41,7 +44,10 @@ class Scan {
 
   const Target& target_;
   const NoiseModel& noise_;
-  std::array<Eigen::MatrixXd, 3> base_;   ///< rows of one axis of the whitened, orthonormal base (n x B)
+  /// What is explained, whitened and orthonormal, of each axis: its own columns (offset, matrix, walk), then the
+  /// shared.
+  std::array<Eigen::MatrixXd, 3> base_;
+  Eigen::Index own_ = 0, shared_ = 0;
   std::array<Series, 3> residual_;        ///< whitened, the base taken out
   Eigen::Index block_ = 25, blocks_ = 0;  ///< half a second
 };

@@ -3,29 +3,35 @@
 #include <algorithm>
 #include <cmath>
 
+#include "diagnosis/evidence.h"
+#include "diagnosis/lines.h"
+#include "diagnosis/refine.h"
+
 namespace stillpoint::diag {
 namespace {
 
 constexpr double kNatsPerCoefficient = 2.0;
-constexpr double kNatsForTheName = 5.0;    // log of the number of laws
-constexpr double kNatsForTheWindow = 8.0;  // log of the number of windows
+constexpr double kNatsForTheName = 5.0;     // log of the number of laws
+constexpr double kNatsForTheProduct = 1.5;  // there are four times as many products as laws
+constexpr double kNatsForTheWindow = 8.0;   // log of the number of windows
 constexpr double kLeastNet = 3.0;
-constexpr double kLeastShareOfFirst = 0.02;  // the remainder of a large effect must not get a name of its own
-constexpr double kArmsAgree = 0.95;
+constexpr double kLeastHeldOut = 1.0;             // nats on data not used for the fit
+constexpr double kLeastShareOfFirst = 0.02;       // the remainder of a large effect must not get a name of its own
+constexpr double kLeastShareBesideUnknown = 0.1;  // a product stands for the true law to that much only
+constexpr double kPlainOffsetNats = 6.0;
+constexpr double kArmsAgree = 0.95;  // three arms of the size effect that agree are one lever arm
+constexpr double kStepInBody = 0.4;  // of a soft step's gain
+constexpr const char* kPlainOffset = "unknown:offset(t)";
 constexpr std::size_t kShortNamed = 6, kShortUnknown = 2, kShortBesideWalk = 3;
 constexpr double kWalkWorthwhile = 2.0;
 constexpr double kWalkFreedom = 8.0;  // what three rates of a random walk and their name are worth
 
 double net_of(const Candidate& c) { return c.gain_nats - charge(static_cast<std::size_t>(c.coefficients), c.window); }
 
-const Law& law_of(const SensorSearch& search, std::size_t index) {
-  return index < search.laws.size() ? search.laws[index] : search.unknown[index - search.laws.size()];
-}
-
 std::vector<Candidate> look_at_all(const SensorSearch& search, const Scan& scan) {
   std::vector<Candidate> all;
   for (std::size_t i = 0; i < search.laws.size() + search.unknown.size(); ++i) {
-    const auto some = scan.look(law_of(search, i), i);
+    const auto some = scan.look(search.law(i), i);
     all.insert(all.end(), some.begin(), some.end());
   }
   std::sort(all.begin(), all.end(), [](const Candidate& a, const Candidate& b) { return net_of(a) > net_of(b); });
@@ -36,7 +42,7 @@ std::vector<Candidate> look_at_all(const SensorSearch& search, const Scan& scan)
 void shorten(const SensorSearch& search, const std::vector<Candidate>& all, std::size_t named, std::size_t unknown,
              std::vector<Candidate>& out) {
   for (const Candidate& c : all) {
-    const bool is_unknown = law_of(search, c.law).kind == Kind::kUnknown;
+    const bool is_unknown = search.law(c.law).kind == Kind::kUnknown;
     std::size_t& left = is_unknown ? unknown : named;
     if (left == 0 || net_of(c) < 0) continue;
     const bool known = std::any_of(
@@ -45,126 +51,6 @@ void shorten(const SensorSearch& search, const std::vector<Candidate>& all, std:
     --left;
     out.push_back(c);
   }
-}
-
-Columns joined(Columns a, const Columns& b) {
-  a.insert(a.end(), b.begin(), b.end());
-  return a;
-}
-
-/// Moves the edges of a window to the sample: the prefix sum of the evidence has its turning points there.
-Window refine_window(const Target& target, const Columns& explained, const Law& law, const Candidate& c,
-                     const NoiseModel& noise) {
-  const Columns everywhere = law.columns(c.shape);
-  const Fit fit = fit_with(target, joined(explained, in_window(everywhere, c.window)), noise, {});
-  Series3 with = fit.leftover;  // the law switched on in the whole recording
-  const auto first = static_cast<Eigen::Index>(explained.size());
-  for (std::size_t j = 0; j < everywhere.size(); ++j) {
-    const double theta = fit.theta[first + static_cast<Eigen::Index>(j)];
-    const Columns windowed = in_window({everywhere[j]}, c.window);
-    for (int axis = 0; axis < 3; ++axis)
-      if (const auto all = shown_in(everywhere[j], axis))
-        with.col(axis) -= theta * (*all - *shown_in(windowed[0], axis));
-  }
-  Series3 without = fit.leftover;
-  for (std::size_t j = 0; j < everywhere.size(); ++j) {
-    const Columns windowed = in_window({everywhere[j]}, c.window);
-    for (int axis = 0; axis < 3; ++axis)
-      if (const auto in = shown_in(windowed[0], axis))
-        without.col(axis) += fit.theta[first + static_cast<Eigen::Index>(j)] * *in;
-  }
-  Series evidence = Series::Zero(target.layout.n);
-  for (int axis = 0; axis < 3; ++axis)
-    evidence += 0.5 * (noise.whiten(target.layout, without.col(axis), axis).cwiseAbs2() -
-                       noise.whiten(target.layout, with.col(axis), axis).cwiseAbs2());
-  for (Eigen::Index i = 1; i < evidence.size(); ++i) evidence[i] += evidence[i - 1];
-  Window out = c.window;
-  const auto reach = static_cast<Eigen::Index>(0.75 / target.dt_s);
-  const auto clip = [&](Eigen::Index i) { return std::clamp<Eigen::Index>(i, 1, target.layout.n - 1); };
-  if (c.window.begin > 0) {
-    Eigen::Index at = 0;
-    const Eigen::Index lo = clip(c.window.begin - reach), hi = clip(c.window.begin + reach);
-    evidence.segment(lo - 1, hi - lo + 1).minCoeff(&at);
-    out.begin = lo + at;
-  }
-  if (c.window.end < target.layout.n) {
-    Eigen::Index at = 0;
-    const Eigen::Index lo = clip(c.window.end - reach), hi = clip(c.window.end + reach);
-    evidence.segment(lo - 1, hi - lo + 1).maxCoeff(&at);
-    out.end = lo + at;
-  }
-  return out;
-}
-
-Found found_from(const Law& law, const Candidate& c, Columns columns) {
-  Found f;
-  f.id = law.id;
-  f.kind = law.kind;
-  f.window = c.window;
-  f.shape = c.shape;
-  f.shape_name = law.shape_name;
-  f.shape_unit = law.shape_unit;
-  f.unit = law.unit;
-  f.equation = law.equation;
-  f.driver = law.driver;
-  f.names = law.coefficients;
-  f.units.assign(law.coefficients.size(), law.unit);
-  f.columns = std::move(columns);
-  // A level of clipping has a shape too, but its likelihood has a kink at every sample.
-  if (law.shape_unit == "s")
-    f.at_shape = [columns_of = law.columns, window = c.window](double shape) {
-      return in_window(columns_of(shape), window);
-    };
-  return f;
-}
-
-/// The time constant between the points of the grid (beyond it at its ends) that explains most: golden section in its
-/// logarithm, the noise given.
-void refine_shape(const Target& target, const Columns& explained, const std::vector<double>& grid, Found& f) {
-  constexpr int kSections = 12;
-  constexpr double kGolden = 0.6180339887498949, kBeyond = 3.0;
-  const NoiseModel noise(target.layout, fit_profile(target, joined(explained, f.columns)).leftover);
-  const auto gain = [&](double log_shape) {
-    return fit_with(target, joined(explained, f.at_shape(std::exp(log_shape))), noise, {}).log_likelihood;
-  };
-  const auto at = std::find(grid.begin(), grid.end(), f.shape);
-  double low = std::log(at == grid.begin() ? grid.front() / kBeyond : *std::prev(at));
-  double high = std::log(std::next(at) == grid.end() ? grid.back() * kBeyond : *std::next(at));
-  double a = high - kGolden * (high - low), b = low + kGolden * (high - low);
-  double gain_a = gain(a), gain_b = gain(b);
-  for (int i = 0; i < kSections; ++i) {
-    if (gain_a > gain_b) {
-      high = b, b = a, gain_b = gain_a, a = high - kGolden * (high - low), gain_a = gain(a);
-    } else {
-      low = a, a = b, gain_a = gain_b, b = low + kGolden * (high - low), gain_b = gain(b);
-    }
-  }
-  f.shape = std::exp(0.5 * (low + high));
-  f.columns = f.at_shape(f.shape);
-}
-
-/// Where a gap of the fitted length begins, to the sample: the evidence summed up has its turning point there.
-Eigen::Index refine_gap(const Signals& s, const SensorSearch& search, const NoiseModel& noise, Eigen::Index begin) {
-  const auto gap_law = [&](Eigen::Index from) {
-    for (TimingLaw& law : make_timing_laws(s, search.sensor, from))
-      if (law.id == "sys_gap") return law;
-    return TimingLaw{};
-  };
-  const TimingLaw rough = gap_law(begin), everywhere = gap_law(1);
-  const TimingFit fit = fit_timing(search.target, search.explained(), noise, rough);
-  if (fit.gain_nats < 0) return begin;
-  Target shifted = search.target;
-  shifted.residual -= fit.delta;
-  const Series3 without = fit_with(shifted, search.explained(), noise, {}).leftover + fit.delta;
-  const Series3 with = without - everywhere.delta(fit.parameters);
-  Series evidence = Series::Zero(s.n);
-  for (int axis = 0; axis < 3; ++axis)
-    evidence += noise.whiten(search.target.layout, without.col(axis), axis).cwiseAbs2() -
-                noise.whiten(search.target.layout, with.col(axis), axis).cwiseAbs2();
-  for (Eigen::Index i = 1; i < s.n; ++i) evidence[i] += evidence[i - 1];
-  Eigen::Index at = 0;
-  evidence.minCoeff(&at);
-  return std::clamp<Eigen::Index>(at, 1, s.n - 1);
 }
 
 /// Delay, low-pass and resonance are one response to first order, proportional to the derivative: a second one would
@@ -177,43 +63,94 @@ bool responds(const SensorSearch& search) {
   return std::any_of(search.found.begin(), search.found.end(), [](const Found& f) { return is_response(f.id); });
 }
 
-/// The timing laws, when the scan saw something that changes with the derivative of the measured vector.
-std::vector<Found> refine_timing(const Signals& s, const SensorSearch& search, const std::vector<Candidate>& shortlist,
-                                 const NoiseModel& noise, double null_likelihood) {
-  bool wanted = false;
-  Eigen::Index gap_begin = 0;
-  for (const Candidate& c : shortlist) {
-    const Law& law = law_of(search, c.law);
-    if (law.kind != Kind::kTiming) continue;
-    wanted = true;
-    if (law.id == "sys_gap" && c.window.end == s.n && gap_begin == 0)
-      gap_begin = refine_window(search.target, search.explained(), law, c, noise).begin;
+/// Likelihoods over the null, each model with a random walk at a price or without one.
+class Judge {
+ public:
+  explicit Judge(const SensorSearch& search) : plain_(search.target), explained_(search.explained()) {
+    plain_.walk.resize(0, 0);
+    beside_walk_ = plain_;
+    beside_walk_.walk = search.walk;
+    null_ = fit_profile(plain_, explained_).log_likelihood;
+    const double with_walk = fit_profile(beside_walk_, explained_).log_likelihood;
+    walking_ = with_walk > null_ + kWalkWorthwhile;
+    null_ = std::max(null_, with_walk - kWalkFreedom);
   }
-  std::vector<Found> out;
-  if (!wanted || responds(search)) return out;
-  if (gap_begin > 0) gap_begin = refine_gap(s, search, noise, gap_begin);
-  for (const TimingLaw& law : make_timing_laws(s, search.sensor, gap_begin)) {
-    if (std::find(search.deleted.begin(), search.deleted.end(), law.id) != search.deleted.end()) continue;
-    const TimingFit fit = fit_timing(search.target, search.explained(), noise, law);
-    if (fit.gain_nats < 0) continue;
-    Target shifted = search.target;
-    shifted.residual -= fit.delta;
-    Found f;
-    f.id = law.id;
-    f.kind = Kind::kTiming;
-    f.window = law.id == "sys_gap" ? Window{true, gap_begin, s.n} : Window{};
-    f.equation = law.equation;
-    f.driver = law.driver;
-    f.names = law.names;
-    f.units = law.units;
-    f.columns = fit.tangent;
-    f.offset = fit.delta;
-    f.timing = fit.parameters;
-    f.gain_nats = fit_profile(shifted, search.explained()).log_likelihood - null_likelihood;
-    f.net_nats = f.gain_nats - charge(law.names.size(), f.window);
-    out.push_back(std::move(f));
+  [[nodiscard]] bool walking() const { return walking_; }
+  [[nodiscard]] const Target& without_walk() const { return plain_; }
+  [[nodiscard]] const Target& beside_walk() const { return beside_walk_; }
+
+  void weigh(Found& f) const {
+    const bool shifted = f.offset.size() > 0;
+    const Columns columns = shifted ? explained_ : joined(explained_, f.columns);
+    const auto likelihood = [&](Target t) {
+      if (shifted) t.residual -= f.offset;
+      return fit_profile(t, columns).log_likelihood;
+    };
+    double best = likelihood(plain_);
+    if (walking_) best = std::max(best, likelihood(beside_walk_) - kWalkFreedom);
+    f.gain_nats = best - null_;
+    f.net_nats = f.gain_nats - charge(f.names.size(), f.window);
+    if (f.kind == Kind::kUnknown) f.net_nats -= kNatsForTheProduct;
   }
+
+ private:
+  Target plain_, beside_walk_;
+  Columns explained_;
+  double null_ = 0.0;
+  bool walking_ = false;
+};
+
+void add_to(SensorSearch& search, Found found) {
+  if (found.offset.size()) search.target.residual -= found.offset;
+  search.found.push_back(std::move(found));
+}
+
+std::vector<Candidate> short_list(const SensorSearch& search, const Judge& judge, const NoiseModel& noise) {
+  const Columns explained = search.explained();
+  std::vector<Candidate> out;
+  const std::vector<Candidate> all = look_at_all(search, Scan(judge.without_walk(), explained, noise));
+  shorten(search, all, kShortNamed, kShortUnknown, out);
+  if (judge.walking())
+    shorten(search, look_at_all(search, Scan(judge.beside_walk(), explained, noise)), kShortBesideWalk, kShortUnknown,
+            out);
+  // Whatever is local in time has to stand against a plain offset.
+  const auto is_offset = [&](const Candidate& c) { return search.law(c.law).id == kPlainOffset; };
+  const auto is_local = [](const Candidate& c) { return c.window.local; };
+  const auto offset = std::find_if(all.begin(), all.end(), is_offset);
+  if (offset != all.end() && std::any_of(out.begin(), out.end(), is_local) &&
+      std::none_of(out.begin(), out.end(), is_offset))
+    out.push_back(*offset);
   return out;
+}
+
+/// The best that is not beaten by what needs less belief: a name of the catalogue before a product outside of it, a
+/// plain offset before a law that is local in time and explains no more, the lever arm before the size effect that
+/// contains it, a body-fixed step before a soft one where the current that could switch it was not recorded.
+/// `sorted`: by net gain.
+Found* best_explanation(std::vector<Found>& sorted, bool current_recorded) {
+  if (sorted.empty()) return nullptr;
+  Found& best = sorted.front();
+  const auto first = [&](const auto& holds) {
+    const auto at = std::find_if(sorted.begin(), sorted.end(), holds);
+    return at == sorted.end() ? nullptr : &*at;
+  };
+  if (best.kind == Kind::kUnknown) {
+    Found* named = first([](const Found& f) { return f.kind != Kind::kUnknown; });
+    if (named == nullptr || best.net_nats >= named->net_nats + std::max(6.0, 0.05 * named->gain_nats)) return &best;
+    if (!named->window.local || best.id != kPlainOffset) return named;
+    return &best;
+  }
+  if (best.kind == Kind::kNamed && best.window.local) {
+    Found* offset = first([](const Found& f) { return f.id == kPlainOffset; });
+    if (offset != nullptr && offset->net_nats > best.net_nats - kPlainOffsetNats) return offset;
+  }
+  const auto instead = [&](const char* id, double share) -> Found* {
+    Found* other = first([&](const Found& f) { return f.id == id; });
+    return other != nullptr && other->gain_nats > share * best.gain_nats ? other : &best;
+  };
+  if (best.id == "acc_size") return instead("acc_lever", kArmsAgree);
+  if (best.id == "mag_soft_step" && !current_recorded) return instead("mag_hard_step", kStepInBody);
+  return &best;
 }
 
 }  // namespace
@@ -222,6 +159,10 @@ Columns SensorSearch::explained() const {
   Columns all;
   for (const Found& f : found) all.insert(all.end(), f.columns.begin(), f.columns.end());
   return all;
+}
+
+bool SensorSearch::has_unknown() const {
+  return std::any_of(found.begin(), found.end(), [](const Found& f) { return f.kind == Kind::kUnknown; });
 }
 
 double charge(std::size_t coefficients, const Window& window) {
@@ -259,71 +200,52 @@ SensorSearch start_search(const Signals& s, Sensor sensor) {
   search.laws = make_laws(s, sensor);
   search.unknown = make_unknown_laws(s, sensor);
   search.walk = walk_basis(s);
+  search.t_s = s.t_s;
   return search;
 }
 
 std::optional<Found> next_effect(const Signals& s, SensorSearch& search) {
-  Target& t = search.target;
   const Columns explained = search.explained();
-  t.walk.resize(0, 0);
-  double null = fit_profile(t, explained).log_likelihood;
-  t.walk = search.walk;
-  const double with_walk = fit_profile(t, explained).log_likelihood;
-  const bool walking = with_walk > null + kWalkWorthwhile;
-  if (walking) null = with_walk;
-  if (search.found.empty()) search.null_likelihood = null;
+  const Judge judge(search);
+  const NoiseModel noise = scan_noise(judge.without_walk(), explained, search.walk);
+  const std::vector<Candidate> shortlist = short_list(search, judge, noise);
 
-  t.walk.resize(0, 0);
-  const NoiseModel noise = scan_noise(t, explained, search.walk);
-  std::vector<Candidate> shortlist;
-  shorten(search, look_at_all(search, Scan(t, explained, noise)), kShortNamed, kShortUnknown, shortlist);
-  if (walking) {
-    t.walk = search.walk;
-    shorten(search, look_at_all(search, Scan(t, explained, noise)), kShortBesideWalk, kShortUnknown, shortlist);
+  search.target.walk.resize(0, 0);
+  const bool responded = responds(search);
+  const auto is_deleted = [&](const std::string& id) {
+    return std::find(search.deleted.begin(), search.deleted.end(), id) != search.deleted.end();
+  };
+  std::vector<Found> refined;
+  if (!responded) refined = refine_timing(s, search, shortlist, noise);
+  if (const auto line = line_in(search); line && !is_deleted(line->id)) refined.push_back(*line);
+  for (Candidate c : shortlist) {
+    const Law& law = search.law(c.law);
+    if (law.kind == Kind::kTiming || (responded && is_response(law.id))) continue;
+    if (c.window.local) c.window = refine_window(search.target, explained, law, c, noise);
+    refined.push_back(found_from(law, c, in_window(law.columns(c.shape), c.window)));
+    if (refined.back().at_shape) refine_shape(search.target, explained, law.shapes, refined.back());
   }
-  std::vector<Found> refined = refine_timing(s, search, shortlist, noise, null);
-  for (Candidate& c : shortlist) {
-    const Law& law = law_of(search, c.law);
-    if (law.kind == Kind::kTiming || (responds(search) && is_response(law.id))) continue;
-    if (c.window.local) c.window = refine_window(t, explained, law, c, noise);
-    Found f = found_from(law, c, in_window(law.columns(c.shape), c.window));
-    const Fit fit = fit_profile(t, joined(explained, f.columns));
-    f.gain_nats = fit.log_likelihood - null;
-    f.net_nats = f.gain_nats - charge(f.columns.size(), f.window);
-    // A driver that leaves no drift has bought out the walk that the baseline needed.
-    const bool drift_gone = fit.walk_q[0] == 0.0 && fit.walk_q[1] == 0.0 && fit.walk_q[2] == 0.0;
-    if (walking && drift_gone) f.net_nats += kWalkFreedom;
-    refined.push_back(std::move(f));
-  }
+  for (Found& f : refined) judge.weigh(f);
   std::sort(refined.begin(), refined.end(), [](const Found& a, const Found& b) { return a.net_nats > b.net_nats; });
-  search.last_round.clear();
-  for (const Found& f : refined) search.last_round.push_back({f.id, f.window, f.gain_nats, f.net_nats});
-  if (search.found.empty()) search.ranking = search.last_round;
-  const auto named =
-      std::find_if(refined.begin(), refined.end(), [](const Found& f) { return f.kind != Kind::kUnknown; });
-  auto best = refined.begin();
-  if (best == refined.end()) return std::nullopt;
-  if (best->kind == Kind::kUnknown && named != refined.end() &&
-      best->net_nats < named->net_nats + std::max(6.0, 0.05 * named->gain_nats))
-    best = named;
-  // The size effect contains the lever arm: three arms that agree are one.
-  if (best->id == "acc_size")
-    for (auto f = refined.begin(); f != refined.end(); ++f)
-      if (f->id == "acc_lever" && f->gain_nats > kArmsAgree * best->gain_nats) best = f;
-  if (best->net_nats < kLeastNet || best->gain_nats < kLeastShareOfFirst * search.first_gain) return std::nullopt;
-  if (best->at_shape) {
-    const auto law = std::find_if(search.laws.begin(), search.laws.end(),
-                                  [&](const Law& l) { return l.id == best->id && l.shape_name == best->shape_name; });
-    if (law != search.laws.end()) refine_shape(t, explained, law->shapes, *best);
-  }
+  std::vector<Ranked> ranking;
+  for (const Found& f : refined) ranking.push_back({f.id, f.window, f.gain_nats, f.net_nats});
+  if (search.found.empty()) search.ranking = ranking;
+
+  Found* best = best_explanation(refined, s.current_A.size() > 0);
+  const double least_share = search.has_unknown() ? kLeastShareBesideUnknown : kLeastShareOfFirst;
+  if (best == nullptr || best->net_nats < kLeastNet || best->gain_nats < least_share * search.first_gain)
+    return std::nullopt;
+  best->rivals = std::move(ranking);
+  SensorSearch with = search;
+  add_to(with, *best);
+  if (held_out(with, {with.found.size() - 1}).gain_nats < kLeastHeldOut) return std::nullopt;
   return *best;
 }
 
 void accept(SensorSearch& search, Found found) {
   if (search.found.empty()) search.first_gain = found.gain_nats;
   search.first_gain = std::max(search.first_gain, found.gain_nats);
-  if (found.offset.size()) search.target.residual -= found.offset;
-  search.found.push_back(std::move(found));
+  add_to(search, std::move(found));
   if (search.found.size() < 2) return;
   search.target.walk = search.walk;
   const double all = fit_profile(search.target, search.explained()).log_likelihood;

@@ -1,6 +1,7 @@
 /// Forward selection of the physics in one sensor's residual: scan, short list, refinement with the noise estimated
 /// beside each candidate, and a charge for every freedom the search has used.
 #pragma once
+#include <map>
 #include <optional>
 
 #include "diagnosis/laws.h"
@@ -9,12 +10,19 @@
 
 namespace stillpoint::diag {
 
+struct Ranked {
+  std::string id;
+  Window window;
+  double gain_nats = 0.0, net_nats = 0.0;
+};
+
 /// One effect as found, refined and fitted.
 struct Found {
   std::string id;
   Kind kind = Kind::kNamed;
   Window window;
-  double shape = 0.0;
+  double shape = 0.0, shape_sd = 0.0;   ///< sd: where the shape was fitted apart
+  std::map<std::string, double> fixed;  ///< numbers that belong to the effect and have no column, by key
   std::string shape_name, shape_unit, unit, equation, driver;
   std::function<Columns(double shape)> at_shape;  ///< columns of a law with a time constant; empty: it has none
   std::vector<std::string> names, units;          ///< of the coefficients
@@ -23,12 +31,7 @@ struct Found {
   Eigen::VectorXd timing;                         ///< parameters of a timing law
   double gain_nats = 0.0;                         ///< log-likelihood over the model without it
   double net_nats = 0.0;                          ///< the gain minus what the freedom of the search is worth
-};
-
-struct Ranked {
-  std::string id;
-  Window window;
-  double gain_nats = 0.0, net_nats = 0.0;
+  std::vector<Ranked> rivals;                     ///< of the round that chose it, best first, itself among them
 };
 
 /// Everything about one sensor while the search runs.
@@ -38,12 +41,16 @@ struct SensorSearch {
   std::vector<Law> laws, unknown;
   std::vector<std::string> deleted;  ///< timing laws that are not in the library this time
   std::vector<Found> found;
-  std::vector<Ranked> ranking;     ///< of the first round
-  std::vector<Ranked> last_round;  ///< of the newest round, best first
-  double null_likelihood = 0.0;    ///< of the baseline alone
+  std::vector<Ranked> ranking;  ///< of the first round
   double first_gain = 0.0;
   Eigen::MatrixXd walk;  ///< the basis, kept while the target may be without
+  Series t_s;
   [[nodiscard]] Columns explained() const;
+  [[nodiscard]] bool has_unknown() const;
+  /// By index of a candidate: the catalogue's laws, then the products outside of it.
+  [[nodiscard]] const Law& law(std::size_t index) const {
+    return index < laws.size() ? laws[index] : unknown[index - laws.size()];
+  }
 };
 
 /// The freedom of the search in nats: coefficients, the choice among laws, a window in time.

@@ -185,6 +185,7 @@ void read_triads(Signals& s, const io::Recording& recording, const sim::Simulati
     const Series3 y = filled3(*raw[k]);
     s.reading[k] = (y.rowwise() - triad.bias.transpose()) * triad.matrix.transpose();
     s.noise_sd[k] = triad.noise_sd;
+    s.triad[k] = triad;
     s.present[k] = true;
   }
 }

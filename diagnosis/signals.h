@@ -34,9 +34,10 @@ struct Signals {
   double gravity_mps2 = 9.80665, latitude_rad = 0.85;
   Vec3 field_world_uT = Vec3::Zero();
   std::array<bool, kSensors> present{};
-  std::array<Series3, kSensors> reading;    ///< u = H (y - B)
-  std::array<Series3, kSensors> predicted;  ///< from the reference
-  std::array<Series3, kSensors> residual;   ///< reading - predicted
+  std::array<sim::TriadConfig, kSensors> triad;  ///< H and B as configured
+  std::array<Series3, kSensors> reading;         ///< u = H (y - B)
+  std::array<Series3, kSensors> predicted;       ///< from the reference
+  std::array<Series3, kSensors> residual;        ///< reading - predicted
   std::array<Series3, kSensors>
       vector;                        ///< best estimate of the true vector: the reference when exact, else the reading
   std::array<Mask, kSensors> muted;  ///< samples that say nothing about this sensor's residual
