@@ -4,40 +4,17 @@
 
 #include <cmath>
 
-#include "diagnosis/diagnose.h"
 #include "diagnosis/evidence.h"
 #include "diagnosis/response.h"
 #include "diagnosis/summary.h"
-#include "io/simulated_recording.h"
+#include "tests/diagnosis/simulated.h"
 
 namespace stillpoint::diag {
 namespace {
 
-using Parameters = std::map<std::string, std::vector<double>>;
-
-sim::SimulationConfig baseline(const std::string& reference) {
-  sim::SimulationConfig s;
-  s.rate_hz = 50;
-  s.accelerometer = sim::TriadConfig{.noise_sd = 0.02};
-  s.gyroscope = sim::TriadConfig{.bias = Vec3(0.01, -0.004, 0.002), .noise_sd = 0.001};
-  s.magnetometer = sim::TriadConfig{.bias = Vec3(3, -5, 2), .noise_sd = 0.3};
-  s.motion = sim::MotionConfig{};
-  s.motion->duration_s = 100;
-  s.reference.kind = reference;
-  return s;
-}
-
-io::Recording record(sim::SimulationConfig config, const std::string& id, const Parameters& parameters,
-                     std::uint64_t seed) {
-  if (!id.empty()) config.effects.push_back({.id = id, .parameters = parameters, .axes = {}, .window_s = {}});
-  return io::to_recording(sim::simulate(config, seed));
-}
-
-std::vector<std::string> names(const Answer& answer) {
-  std::vector<std::string> out;
-  for (const Finding& f : answer.diagnosis.findings) out.push_back(f.effect);
-  return out;
-}
+using test::baseline;
+using test::names;
+using test::record;
 
 class BothReferences : public testing::TestWithParam<std::string> {};
 INSTANTIATE_TEST_SUITE_P(Engine, BothReferences, testing::Values("exact", "mocap"));

@@ -5,34 +5,15 @@
 
 #include <cmath>
 
-#include "simulation/simulator.h"
+#include "tests/diagnosis/simulated.h"
 
 namespace stillpoint::diag {
 namespace {
 
-sim::SimulationConfig baseline() {
-  sim::SimulationConfig s;
-  s.rate_hz = 50;
-  s.accelerometer = sim::TriadConfig{.noise_sd = 0.02};
-  s.gyroscope = sim::TriadConfig{.bias = Vec3(0.01, -0.004, 0.002), .noise_sd = 0.001};
-  s.magnetometer = sim::TriadConfig{.bias = Vec3(3, -5, 2), .noise_sd = 0.3};
-  s.motion = sim::MotionConfig{};
-  s.motion->duration_s = 120;
-  return s;
-}
+sim::SimulationConfig baseline() { return test::baseline("none", 120.0); }
 
 io::Recording record(const sim::SimulationConfig& config, std::uint64_t seed) {
-  io::Recording r;
-  for (const auto& s : sim::simulate(config, seed)) {
-    r.t_ns.push_back(s.sample.t_ns);
-    r.acc_mps2.push_back(vec(s.sample.acc_mps2));
-    r.gyr_radps.push_back(vec(s.sample.gyr_radps));
-    r.mag_uT.push_back(vec(s.sample.mag_uT));
-    r.temp_degC.push_back(s.sample.temp_degC);
-    r.current_A.push_back(s.current_A);
-    r.supply_V.push_back(s.supply_V);
-  }
-  return r;
+  return test::record(config, "", {}, seed);
 }
 
 Diagnosis diagnosed(const std::string& id, const std::map<std::string, std::vector<double>>& parameters,

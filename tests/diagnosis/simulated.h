@@ -1,0 +1,42 @@
+/// Recordings of our own simulator for the tests of the diagnosis: a hand that moves and rests, with known physics.
+#pragma once
+#include <cstdint>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "diagnosis/diagnose.h"
+#include "io/simulated_recording.h"
+
+namespace stillpoint::diag::test {
+
+using Parameters = std::map<std::string, std::vector<double>>;
+
+/// `reference`: exact, mocap or none.
+inline sim::SimulationConfig baseline(const std::string& reference, double duration_s = 100.0) {
+  sim::SimulationConfig s;
+  s.rate_hz = 50;
+  s.accelerometer = sim::TriadConfig{.noise_sd = 0.02};
+  s.gyroscope = sim::TriadConfig{.bias = Vec3(0.01, -0.004, 0.002), .noise_sd = 0.001};
+  s.magnetometer = sim::TriadConfig{.bias = Vec3(3, -5, 2), .noise_sd = 0.3};
+  s.motion = sim::MotionConfig{};
+  s.motion->duration_s = duration_s;
+  s.reference.kind = reference;
+  return s;
+}
+
+/// The recording of `config` with one effect more; none when `id` is empty.
+inline io::Recording record(sim::SimulationConfig config, const std::string& id, const Parameters& parameters,
+                            std::uint64_t seed) {
+  if (!id.empty()) config.effects.push_back({.id = id, .parameters = parameters, .axes = {}, .window_s = {}});
+  return io::to_recording(sim::simulate(config, seed));
+}
+
+inline std::vector<std::string> names(const Diagnosis& diagnosis) {
+  std::vector<std::string> out;
+  for (const Finding& f : diagnosis.findings) out.push_back(f.effect);
+  return out;
+}
+inline std::vector<std::string> names(const Answer& answer) { return names(answer.diagnosis); }
+
+}  // namespace stillpoint::diag::test
