@@ -44,6 +44,11 @@ function(stillpoint_library name)
   endif()
 endfunction()
 
+set(STILLPOINT_TEST_TIMEOUT_S 300)
+if(STILLPOINT_SANITIZE)
+  set(STILLPOINT_TEST_TIMEOUT_S 1500)  # the searches of diagnosis/ take some ten times as long under AddressSanitizer
+endif()
+
 # stillpoint_tests(core DEPS ...): tests/core/*_test.cpp is one program, each TEST one CTest entry.
 # tests/core/long/*_test.cpp is a second one with the label "long" (proofs that take minutes).
 function(stillpoint_tests folder)
@@ -58,7 +63,7 @@ function(stillpoint_tests folder)
       set(properties LABELS long TIMEOUT 1800)
     else()
       set(target test_${folder})
-      set(properties LABELS ${folder} TIMEOUT 300)
+      set(properties LABELS ${folder} TIMEOUT ${STILLPOINT_TEST_TIMEOUT_S})
     endif()
     add_executable(${target} ${sources})
     target_link_libraries(${target} PRIVATE stillpoint_options ${ARG_DEPS} GTest::gmock GTest::gtest_main)

@@ -195,6 +195,7 @@ void AttitudeFilter::covariance_step() noexcept {
   if (s_.sums.moved) s_.unmagnetic_s += time_s;  // at rest nothing turns, so the last heading serves
   if (s_.sums.fields > 0) measure_field(time_s);
   inject();
+  mat(s_.iron_rad2) = s_.error.iron_rad2(s_.hard_iron.left_uT2(params_.hard_iron));
   s_.sums = Sums{};
 }
 
@@ -225,7 +226,7 @@ AttitudeEstimate AttitudeFilter::estimate(std::int64_t t_ns) const noexcept {
     if (params_.prediction_s > 0.0) {
       out.q_world_body = array(q * exp_quat(params_.prediction_s * vec(s_.rate_radps)));
     }
-    cov = s_.error.P().block<3, 3>(kTheta, kTheta) + mat(s_.sums.theta_rad2);
+    cov = s_.error.P().block<3, 3>(kTheta, kTheta) + mat(s_.iron_rad2) + mat(s_.sums.theta_rad2);
     for (int i = 0; i < 3; ++i) {
       out.gyro_bias_sd_radps[static_cast<std::size_t>(i)] =
           std::sqrt(std::max(0.0, s_.error.P()(kGyrBias + i, kGyrBias + i)));
@@ -262,7 +263,16 @@ void AttitudeFilter::rebase(const CalibrationSnapshot& from, const CalibrationSn
     M = Mat3::Identity() - gain;
     vec(s_.x.gyr_bias_radps) += gain * c;
   }
-  if (change(from.mag, to.mag, K, c)) s_.hard_iron.rebase(K, c);
+  if (change(from.mag, to.mag, K, c)) {
+    const Vec3 before = K * s_.hard_iron.body_uT(params_.hard_iron) + c;  // in the new readings
+    std::optional<Mat3> calibrated_uT2;
+    if (to.mag.status == CalibrationStatus::kOk && mat(to.mag.bias_covariance).trace() > 0.0)
+      calibrated_uT2 = mat(to.mag.matrix) * mat(to.mag.bias_covariance) * mat(to.mag.matrix).transpose();
+    s_.hard_iron.rebase(K, c, calibrated_uT2);
+    s_.field.rescale(std::cbrt(std::abs(K.determinant())));
+    s_.error.by_iron().leftCols<3>() *= K.inverse();
+    s_.error.change_iron(s_.hard_iron.body_uT(params_.hard_iron) - before);
+  }
 }
 
 }  // namespace stillpoint::fusion

@@ -149,6 +149,7 @@ class AttitudeFilter {
     std::int64_t t_ns = 0;
     Array3 rate_radps{};     ///< last corrected rate, for bridging
     Array3 last_field_uT{};  ///< last reading, to tell a held value from a new one
+    Array9 iron_rad2{};      ///< what an untrue hard iron may have done to the attitude, world axes
     Repetition acc_repeats, gyr_repeats;
     double temp_degC = 25.0;
     double start_heading_rad = 0.0;
@@ -175,9 +176,15 @@ class AttitudeFilter {
   void measure_motion(double time_s) noexcept;
   void measure_rest(double time_s) noexcept;
   void measure_field(double time_s) noexcept;
-  void start_heading(double error_rad, const Eigen::Vector2d& lean) noexcept;
-  void measure_heading(double error_rad, const Eigen::Vector2d& lean, double field_variance_rad2,
-                       double time_s) noexcept;
+  /// One magnetic heading against the filter's, and what it hangs on.
+  struct HeadingReading {
+    double error_rad = 0.0;
+    Eigen::Vector2d lean = Eigen::Vector2d::Zero();  ///< by the tilt about east and north
+    Vec3 iron = Vec3::Zero();                        ///< by the error of the hard iron, rad/uT
+    double field_variance_rad2 = 0.0;                ///< by the visible part of a disturbance
+  };
+  void start_heading(const HeadingReading& reading) noexcept;
+  void measure_heading(const HeadingReading& reading, double time_s) noexcept;
   void inject() noexcept;
   [[nodiscard]] AttitudeEstimate estimate(std::int64_t t_ns) const noexcept;
 

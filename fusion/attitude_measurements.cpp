@@ -48,61 +48,65 @@ void AttitudeFilter::measure_field(double time_s) noexcept {
   const Mat3 R_mean = mat(s_.sums.field_R) / s_.sums.fields;
   const Vec3 seen = vec(s_.sums.field_uT) / s_.sums.fields;
   const Vec3 field = seen - R_mean * s_.hard_iron.body_uT(params_.hard_iron);
-  const double horizontal = std::hypot(field.x(), field.y());
+  const double horizontal2 = field.head<2>().squaredNorm();
   // A field turned by an unsure tilt has the wrong dip: until the tilt is known its reference is not learnt.
   const double tilt2 = s_.error.P()(kTheta, kTheta) + s_.error.P()(kTheta + 1, kTheta + 1);
   const bool leaning = tilt2 > kKnownTilt_rad * kKnownTilt_rad;
   if (leaning) s_.field = FieldReference{};
-  const FieldVerdict verdict = s_.field.observe(params_.field_reference, horizontal, field.z(), time_s, s_.sums.moved);
-  if (!leaning) s_.hard_iron.observe(params_.hard_iron, seen, R_mean, time_s);
-  if (!verdict.trusted && !verdict.accepted) {
-    s_.unmagnetic_s += s_.sums.moved ? 0.0 : time_s;  // in motion it has been counted already
-    return;
-  }
+  const FieldVerdict verdict =
+      s_.field.observe(params_.field_reference, std::sqrt(horizontal2), field.z(), time_s, s_.sums.moved);
+  HeadingReading reading;
   // (A10) Magnetic north lies at pi/2 - declination from east; the field seems turned from it by minus the error.
-  const double error = wrapped(0.5 * kPi - params_.declination_rad - std::atan2(field.y(), field.x()));
+  reading.error_rad = wrapped(0.5 * kPi - params_.declination_rad - std::atan2(field.y(), field.x()));
   // A tilt error leans the vertical field into the horizontal plane: the heading turns with the tilt about north.
-  const Eigen::Vector2d lean = field.z() / (horizontal * horizontal) * field.head<2>();
+  reading.lean = field.z() / horizontal2 * field.head<2>();
+  reading.iron = (field.y() * R_mean.row(0) - field.x() * R_mean.row(1)) / horizontal2;
+  reading.field_variance_rad2 = verdict.heading_variance_rad2;
   if (verdict.accepted) {  // the present heading is kept: all of the deviation is the place's
-    s_.x.disturbance_rad = error;
+    s_.x.disturbance_rad = reading.error_rad;
     s_.error.forget(kDisturbance,
                     s_.error.P()(kTheta + 2, kTheta + 2) + params_.heading_noise_rad * params_.heading_noise_rad);
-    return;
-  }
-  if (s_.magnetic_s == 0.0 && !s_.heading_given) {
-    start_heading(error, lean);
+  } else if (verdict.trusted) {
+    if (s_.magnetic_s == 0.0 && !s_.heading_given)
+      start_heading(reading);
+    else
+      measure_heading(reading, time_s);
+    s_.magnetic_s += time_s;
+    s_.unmagnetic_s = 0.0;
   } else {
-    measure_heading(error, lean, verdict.heading_variance_rad2, time_s);
+    s_.unmagnetic_s += s_.sums.moved ? 0.0 : time_s;  // in motion it has been counted already
   }
-  s_.magnetic_s += time_s;
-  s_.unmagnetic_s = 0.0;
+  if (leaning) return;
+  const Vec3 iron = s_.hard_iron.body_uT(params_.hard_iron);
+  s_.hard_iron.observe(params_.hard_iron, seen, R_mean, time_s);
+  s_.error.change_iron(s_.hard_iron.body_uT(params_.hard_iron) - iron);
 }
 
-void AttitudeFilter::start_heading(double error_rad, const Eigen::Vector2d& lean) noexcept {
-  const Quat turn_by(Eigen::AngleAxisd(error_rad, Vec3::UnitZ()));
+void AttitudeFilter::start_heading(const HeadingReading& reading) noexcept {
+  const Quat turn_by(Eigen::AngleAxisd(reading.error_rad, Vec3::UnitZ()));
   s_.x.q_world_body = array(turn_by * quat(s_.x.q_world_body));
   vec(s_.x.velocity_mps) = turn_by * Vec3(vec(s_.x.velocity_mps));
   vec(s_.x.position_m) = turn_by * Vec3(vec(s_.x.position_m));
   s_.error.forget(kTheta + 2, params_.heading_disturbance_rad * params_.heading_disturbance_rad +
                                   params_.heading_noise_rad * params_.heading_noise_rad);
-  s_.error.depend(kTheta + 2, turn_by.toRotationMatrix().topLeftCorner<2, 2>() * lean);
+  s_.error.by_iron().row(kTheta + 2).head<3>() = -reading.iron.transpose();
+  s_.error.depend(kTheta + 2, turn_by.toRotationMatrix().topLeftCorner<2, 2>() * reading.lean);
 }
 
-void AttitudeFilter::measure_heading(double error_rad, const Eigen::Vector2d& lean, double field_variance_rad2,
-                                     double time_s) noexcept {
+void AttitudeFilter::measure_heading(const HeadingReading& reading, double time_s) noexcept {
   ErrorVector h = ErrorVector::Zero();
-  h.segment<2>(kTheta) = -lean;
+  h.segment<2>(kTheta) = -reading.lean;
   h(kTheta + 2) = 1.0;
   h(kDisturbance) = 1.0;
-  const double instant = params_.heading_noise_rad * params_.heading_noise_rad + field_variance_rad2;
-  const double innovation = wrapped(error_rad - s_.x.disturbance_rad);
+  const double instant = params_.heading_noise_rad * params_.heading_noise_rad + reading.field_variance_rad2;
+  const double innovation = wrapped(reading.error_rad - s_.x.disturbance_rad);
   // (A13) Innovations of one sign that stay larger than they should mean a heading gone astray: believe it less.
   const double expected = s_.error.P()(kTheta + 2, kTheta + 2) + s_.error.P()(kDisturbance, kDisturbance) + instant;
   const double blend = std::min(1.0, time_s / params_.heading_doubt_time_s);
   s_.heading_stress += blend * (innovation * std::abs(innovation) / expected - s_.heading_stress);
   const double excess = std::abs(s_.heading_stress) - 1.0;
   if (excess > 0.0) s_.error.add_variance(kTheta + 2, params_.heading_doubt * blend * excess * expected);
-  s_.error.update(h, innovation, instant * std::max(1.0, 2.0 * params_.heading_noise_time_s / time_s));
+  s_.error.update(h, innovation, instant * std::max(1.0, 2.0 * params_.heading_noise_time_s / time_s), reading.iron);
 }
 
 }  // namespace stillpoint::fusion

@@ -9,6 +9,7 @@ namespace stillpoint::fusion {
 void ErrorState::start(const ErrorVector& sd) noexcept {
   P() = ErrorMatrix(sd.cwiseAbs2().asDiagonal());
   mean_.fill(0.0);
+  by_iron_.fill(0.0);
 }
 
 void ErrorState::propagate(const MotionSums& sums, const ProcessNoise& noise) noexcept {
@@ -34,6 +35,7 @@ void ErrorState::propagate(const MotionSums& sums, const ProcessNoise& noise) no
   rows(cov);
   cov.transposeInPlace();
   rows(cov);
+  rows(by_iron());
 
   cov.block<3, 3>(kTheta, kTheta) += mat(noise.theta_rad2);
   const double gyr_walk = noise.gyr_bias_walk * noise.gyr_bias_walk * T;
@@ -47,33 +49,42 @@ void ErrorState::propagate(const MotionSums& sums, const ProcessNoise& noise) no
   cov = ErrorMatrix(0.5 * (cov + cov.transpose()));
 }
 
-double ErrorState::correct(const ErrorVector& Ph, double innovation, double s) noexcept {
-  if (!(s > 0.0) || !std::isfinite(innovation) || !std::isfinite(s)) return 0.0;
+void ErrorState::correct(const ErrorVector& Ph, double innovation, double s, const Eigen::RowVector4d& iron) noexcept {
+  if (!(s > 0.0) || !std::isfinite(innovation) || !std::isfinite(s)) return;
   const ErrorVector scaled = Ph / s;
   P().noalias() -= scaled * Ph.transpose();
   Eigen::Map<ErrorVector>(mean_.data()) += scaled * innovation;
-  return innovation * innovation / s;
+  by_iron().noalias() -= scaled * iron;
 }
 
-double ErrorState::update(const ErrorVector& h, double z, double variance) noexcept {
+void ErrorState::update(const ErrorVector& h, double z, double variance, const Vec3& iron) noexcept {
   const ErrorVector Ph = P() * h;
-  return correct(Ph, z - h.dot(mean()), h.dot(Ph) + variance);
+  correct(Ph, z - h.dot(mean()), h.dot(Ph) + variance,
+          h.transpose() * by_iron() + Eigen::RowVector4d(iron.x(), iron.y(), iron.z(), 0.0));
 }
 
-double ErrorState::update(int index, double z, double variance) noexcept {
+void ErrorState::update(int index, double z, double variance) noexcept {
   const ErrorVector Ph = P().col(index);
-  return correct(Ph, z - mean()(index), Ph(index) + variance);
+  correct(Ph, z - mean()(index), Ph(index) + variance, by_iron().row(index));
+}
+
+Mat3 ErrorState::iron_rad2(const Mat3& left_uT2) const noexcept {
+  const auto rotation = by_iron().middleRows<3>(kTheta);
+  return rotation.leftCols<3>() * left_uT2 * rotation.leftCols<3>().transpose() +
+         rotation.col(3) * rotation.col(3).transpose();
 }
 
 void ErrorState::forget(int index, double variance) noexcept {
   P().row(index).setZero();
   P().col(index).setZero();
   P()(index, index) = variance;
+  by_iron().row(index).setZero();
 }
 
 void ErrorState::depend(int index, const Eigen::Vector2d& weights) noexcept {
   P().row(index) += weights.transpose() * P().middleRows<2>(kTheta);
   P().col(index) += P().middleCols<2>(kTheta) * weights;
+  by_iron().row(index) += weights.transpose() * by_iron().middleRows<2>(kTheta);
 }
 
 ErrorVector ErrorState::take_mean() noexcept {

@@ -23,6 +23,8 @@ enum ErrorIndex : int {
 
 using ErrorVector = Eigen::Matrix<double, kErrorStates, 1>;
 using ErrorMatrix = Eigen::Matrix<double, kErrorStates, kErrorStates>;
+/// What an untrue hard iron does to the estimate: three columns times its error (uT, body axes), and one of its own.
+using IronMatrix = Eigen::Matrix<double, kErrorStates, 4>;
 
 /// What the samples between two covariance steps leave behind. Plain sums, so the cost per sample is small.
 struct MotionSums {
@@ -50,17 +52,29 @@ class ErrorState {
     return Eigen::Map<const ErrorVector>(mean_.data());
   }
 
+  /// (A17) error = what P holds + S (error of the hard iron) + r. S is the first three columns; r, the fourth, is what
+  /// an iron that has been found since had done before.
+  [[nodiscard]] Eigen::Map<const IronMatrix> by_iron() const noexcept {
+    return Eigen::Map<const IronMatrix>(by_iron_.data());
+  }
+  [[nodiscard]] Eigen::Map<IronMatrix> by_iron() noexcept { return Eigen::Map<IronMatrix>(by_iron_.data()); }
+
   /// Independent errors with these standard deviations.
   void start(const ErrorVector& sd) noexcept;
 
   /// (A5) P <- F P F' + Q over the interval of the sums.
   void propagate(const MotionSums& sums, const ProcessNoise& noise) noexcept;
 
-  /// (A7) One scalar measurement z = h' x + noise. The mean gathers the correction until take_mean(). Returns the
-  /// squared normalised innovation. A row that is not finite changes nothing.
-  double update(const ErrorVector& h, double z, double variance) noexcept;
+  /// The hard iron that is taken out has changed by this much.
+  void change_iron(const Vec3& change_uT) noexcept { by_iron().col(3) += by_iron().leftCols<3>() * change_uT; }
+  /// Variance of the rotation, world axes, that P does not hold; `left_uT2` is the mean square of the iron's error.
+  [[nodiscard]] Mat3 iron_rad2(const Mat3& left_uT2) const noexcept;
+
+  /// (A7) One scalar measurement z = h' x + iron' (error of the hard iron) + noise. The mean gathers the correction
+  /// until take_mean(). A row that is not finite changes nothing.
+  void update(const ErrorVector& h, double z, double variance, const Vec3& iron = Vec3::Zero()) noexcept;
   /// The same for z = x(index) + noise.
-  double update(int index, double z, double variance) noexcept;
+  void update(int index, double z, double variance) noexcept;
 
   /// Adds variance to one error; what was known of its correlations stays.
   void add_variance(int index, double variance) noexcept { P()(index, index) += variance; }
@@ -74,9 +88,11 @@ class ErrorState {
   [[nodiscard]] ErrorVector take_mean() noexcept;
 
  private:
-  double correct(const ErrorVector& Ph, double innovation, double s) noexcept;
+  /// `by_iron` is the innovation's own dependence on the hard iron.
+  void correct(const ErrorVector& Ph, double innovation, double s, const Eigen::RowVector4d& by_iron) noexcept;
   std::array<double, kErrorStates * kErrorStates> p_{};
   std::array<double, kErrorStates> mean_{};
+  std::array<double, kErrorStates * 4> by_iron_{};
 };
 
 static_assert(std::is_trivially_copyable_v<ErrorState>);

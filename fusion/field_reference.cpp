@@ -16,6 +16,12 @@ void FieldReference::Field::follow(double horizontal, double vertical, double we
   vertical_uT += weight * (vertical - vertical_uT);
 }
 
+void FieldReference::rescale(double factor) noexcept {
+  for (double* part :
+       {&reference_.horizontal_uT, &reference_.vertical_uT, &candidate_.horizontal_uT, &candidate_.vertical_uT})
+    *part *= factor;
+}
+
 bool FieldReference::follow_candidate(const FieldReferenceParams& params, const Field& now, double limit, double time_s,
                                       bool moving) noexcept {
   if (candidate_.squared_distance(now.horizontal_uT, now.vertical_uT) > limit * limit) {

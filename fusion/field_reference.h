@@ -41,6 +41,9 @@ class FieldReference {
   FieldVerdict observe(const FieldReferenceParams& params, double horizontal_uT, double vertical_uT, double time_s,
                        bool moving) noexcept;
 
+  /// The calibration has changed: every field is this many times as large from now on.
+  void rescale(double factor) noexcept;
+
   [[nodiscard]] bool known() const noexcept { return learnt_s_ > 0.0; }
 
  private:

@@ -32,6 +32,12 @@ Mat3 HardIron::body_covariance() const noexcept {
   return Eigen::Map<const Matrix6>(p_.data()).bottomRightCorner<3, 3>();
 }
 
+Mat3 HardIron::left_uT2(const HardIronParams& params) const noexcept {
+  if (params.sd_uT <= 0.0) return Mat3::Zero();
+  const Vec3 left = vec(body_) - body_uT(params);
+  return body_covariance() + left * left.transpose();
+}
+
 void HardIron::observe(const HardIronParams& params, const Vec3& field_world_uT, const Mat3& R_mean,
                        double time_s) noexcept {
   if (params.sd_uT <= 0.0 || !field_world_uT.allFinite()) return;
@@ -64,11 +70,21 @@ void HardIron::observe(const HardIronParams& params, const Vec3& field_world_uT,
   started_ = true;
 }
 
-void HardIron::rebase(const Mat3& K, const Vec3& c) noexcept {
+void HardIron::rebase(const Mat3& K, const Vec3& c, const std::optional<Mat3>& calibrated_uT2) noexcept {
   Eigen::Map<Matrix6> P(p_.data());
+  // The field of the place, seen through K at every attitude, keeps its direction and changes its size.
+  const double scale = std::cbrt(std::abs(K.determinant()));
+  Matrix6 change = Matrix6::Zero();
+  change.topLeftCorner<3, 3>() = scale * Mat3::Identity();
+  change.bottomRightCorner<3, 3>() = K;
+  P = change * Matrix6(P) * change.transpose();
+  vec(place_) *= scale;
   vec(body_) = K * vec(body_) + c;
-  P.rightCols<3>() = P.rightCols<3>() * K.transpose();
-  P.bottomRows<3>() = K * P.bottomRows<3>();
+  if (!calibrated_uT2 || !(calibrated_uT2->trace() < body_covariance().trace())) return;
+  vec(body_).setZero();
+  P.rightCols<3>().setZero();
+  P.bottomRows<3>().setZero();
+  P.bottomRightCorner<3, 3>() = *calibrated_uT2;
 }
 
 }  // namespace stillpoint::fusion

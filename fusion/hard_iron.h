@@ -3,6 +3,7 @@
 /// The linear form of Gebre-Egziabher et al., "Calibration of strapdown magnetometers in magnetic field domain" (2006),
 /// with the attitude known from gyroscope and accelerometer, run as a Kalman filter so that both parts may change.
 #pragma once
+#include <optional>
 #include <type_traits>
 
 #include "core/fields.h"
@@ -46,12 +47,17 @@ class HardIron {
   /// (A16) The body's field (uT, body axes), shrunk by the doubt: an uneven place looks a little like iron on the body.
   /// After James and Stein, "Estimation with quadratic loss" (1961), positive part. Zero until the body has turned.
   [[nodiscard]] Vec3 body_uT(const HardIronParams& params) const noexcept;
-  [[nodiscard]] Mat3 body_covariance() const noexcept;  ///< uT^2
+  /// (A17) Mean square of what body_uT() leaves, uT^2: the uncertainty, and the share that the doubt holds back.
+  [[nodiscard]] Mat3 left_uT2(const HardIronParams& params) const noexcept;
 
-  /// The calibration has changed: readings u become K u + c.
-  void rebase(const Mat3& K, const Vec3& c) noexcept;
+  /// (A14) The calibration has changed: readings u become K u + c. `calibrated_uT2` is the calibration's own covariance
+  /// of the offset that remains, none where it has learnt none. Whoever knows the offset better states it from here on;
+  /// the evidence of the other is dropped, so none counts twice.
+  void rebase(const Mat3& K, const Vec3& c, const std::optional<Mat3>& calibrated_uT2) noexcept;
 
  private:
+  [[nodiscard]] Mat3 body_covariance() const noexcept;
+
   Array3 place_{};
   Array3 body_{};
   std::array<double, 36> p_{};

@@ -6,6 +6,12 @@
 
 #include "Imu.h"
 
+#ifdef __SANITIZE_ADDRESS__
+/* Cyclone DDS 0.10.2 keeps 408 bytes at its end; they are not ours to free. */
+const char* __lsan_default_suppressions(void);
+const char* __lsan_default_suppressions(void) { return "leak:libddsc"; }
+#endif
+
 static void print_user_data(dds_entity_t reader) {
   dds_instance_handle_t writers[4];
   const dds_return_t n = dds_get_matched_publications(reader, writers, 4);
