@@ -124,11 +124,14 @@ Finding finding_from(const Signals& s, const SensorSearch& search, std::size_t i
 }
 
 /// Windows of one sensor in which effects act that do not last. Two or more are one cause that switches, not recorded;
-/// two effects in the same window came and went together.
+/// two effects in the same window came and went together. Beside a cause that lasts, and explains more, they are details.
 int locals(const SensorSearch& search) {
+  double lasting = 0.0;
+  for (const Found& f : search.found)
+    if (!f.window.local) lasting = std::max(lasting, f.gain_nats);
   std::vector<Window> windows;
   for (const Found& f : search.found) {
-    if (!f.window.local || f.kind == Kind::kTiming) continue;
+    if (!f.window.local || f.kind == Kind::kTiming || f.gain_nats < lasting) continue;
     const auto together = [&f](const Window& w) {
       const auto both = std::min(w.end, f.window.end) - std::max(w.begin, f.window.begin);
       const auto either = std::max(w.end, f.window.end) - std::min(w.begin, f.window.begin);

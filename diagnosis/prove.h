@@ -16,9 +16,10 @@ namespace stillpoint::diag {
 
 /// What is known of a case by its maker only.
 struct CaseTruth {
-  std::string kind;  ///< clean, single, window, oneaxis, pair, confound, cfgerr, notemp, noaux, absorb, novel, noref
-  std::string reference;                                                      ///< exact, mocap, none
-  std::string noise;                                                          ///< white, coloured, uneven
+  std::string kind;       ///< clean, single, window, oneaxis, pair, confound, cfgerr, notemp, noaux, absorb,
+                          ///< novel, deleted, noref, limit
+  std::string reference;  ///< exact, mocap, none
+  std::string noise;      ///< white, coloured, uneven
   std::map<std::string, std::map<std::string, std::vector<double>>> effects;  ///< ID to parameters by symbol
   std::optional<std::array<double, 2>> window_s;
   double d_prime = 0.0;  ///< of the weakest effect, in the sensor that sees it best; 0: not known
@@ -28,8 +29,9 @@ struct SealedCase {
   std::string id;
   CaseTruth truth;
   std::string nonce;
-  io::Recording recording;         ///< what the solver gets,
-  sim::SimulationConfig baseline;  ///< and against what
+  io::Recording recording;           ///< what the solver gets,
+  sim::SimulationConfig baseline;    ///< and against what
+  std::vector<std::string> without;  ///< laws that the referee takes out of the solver's library: the true one
 };
 
 /// Where an effect acts on some axes only, the true number of each other axis is 0 (three numbers: one an axis).
@@ -44,6 +46,9 @@ void act_on_axes(std::map<std::string, std::vector<double>>& parameters, const s
 
 /// Case `index` of the proof with this salt: the same salt gives the same recording. `quick` halves the length.
 [[nodiscard]] SealedCase draw_case(const std::string& salt, std::size_t index, bool quick);
+
+/// A weak effect alone, of a size about the detection limit, for limit_tables().
+[[nodiscard]] SealedCase draw_limit_case(const std::string& salt, std::size_t index, bool quick);
 
 /// How one answer (stillpoint.diagnosis/1; null: the solver failed) stands against the truth.
 struct CaseScore {
@@ -64,6 +69,9 @@ struct CaseScore {
 
 /// The tables of the proof: rates with intervals, false alarms by noise, naming by d', confusion, coverage, all misses.
 [[nodiscard]] std::string tables(const std::vector<CaseScore>& scores);
+/// From which size on an effect is found and named in half of the cases, as a ratio to the size at which the likelihood
+/// ratio test that knows the law finds it in half of them at 1 % false alarms.
+[[nodiscard]] std::string limit_tables(const std::vector<CaseScore>& scores);
 [[nodiscard]] nlohmann::json summary(const std::vector<CaseScore>& scores);
 
 }  // namespace stillpoint::diag

@@ -48,7 +48,7 @@ struct Line {
 
 std::vector<Line> rates(const Scores& scores) {
   const auto kind = [](std::string k) { return [k = std::move(k)](const CaseScore& s) { return s.truth.kind == k; }; };
-  const auto named = [](const CaseScore& s) { return !s.said.empty(); };
+  const auto named = [](const CaseScore& s) { return !s.said.empty() && s.truth.kind != "deleted"; };
   const auto reference = [](Test t, std::string r) {
     return [t = std::move(t), r = std::move(r)](const CaseScore& s) { return t(s) && s.truth.reference == r; };
   };
@@ -66,6 +66,9 @@ std::vector<Line> rates(const Scores& scores) {
                [](const CaseScore& s) { return s.untrue == 0; })},
           {"absorbed by an estimator, right or unknown",
            rate(scores, kind("absorb"), [](const CaseScore& s) { return s.untrue == 0 && !s.said.empty(); })},
+          {"law deleted from the library, another law stated",
+           rate(scores, kind("deleted"),
+                [](const CaseScore& s) { return !s.said.empty() && !s.said.front().starts_with("unknown"); })},
           {"no reference, named right", rate(scores, kind("noref"), right)},
           {"first finding untrue, of answers that name",
            rate(scores, named, [](const CaseScore& s) { return s.outcome == "wrong"; })},

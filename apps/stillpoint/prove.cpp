@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <atomic>
+#include <chrono>
 #include <filesystem>
 #include <fstream>
 #include <mutex>
@@ -24,7 +25,7 @@ namespace fs = std::filesystem;
 struct Options {
   std::size_t cases = 60;
   std::string salt = "stillpoint", folder, report;
-  bool quick = false;
+  bool quick = false, limits = false;
 };
 
 /// One case as it lies before the solver: files and hash. The truth stays in this process until all answers are in.
@@ -33,6 +34,7 @@ struct Posed {
   diag::CaseTruth truth;
   std::string nonce;
   fs::path recording, simulation, answer;
+  std::vector<std::string> without;  ///< laws that the referee takes out of the solver's library
 };
 
 std::string read_file(const fs::path& path) {
@@ -45,40 +47,75 @@ std::string read_file(const fs::path& path) {
 /// Runs `diagnose` of this very program as a process of its own, with its words going nowhere. A run that fails leaves
 /// no answer, which is scored as one.
 void solve(const Posed& posed) {
-  auto child = ChildProcess::start(
-      {fs::read_symlink("/proc/self/exe").string(), "diagnose", "--simulation", posed.simulation.string(),
-       "--recording", posed.recording.string(), "--json", posed.answer.string()},
-      "/dev/null");
+  std::vector<std::string> command{fs::read_symlink("/proc/self/exe").string(),
+                                   "diagnose",
+                                   "--simulation",
+                                   posed.simulation.string(),
+                                   "--recording",
+                                   posed.recording.string(),
+                                   "--json",
+                                   posed.answer.string()};
+  for (const auto& id : posed.without) command.insert(command.end(), {"--without-law", id});
+  auto child = ChildProcess::start(command, "/dev/null");
   if (child) child->wait();
 }
 
+/// A bar with the time that is left, on a terminal; nothing where standard error goes into a file.
+class Progress {
+ public:
+  explicit Progress(std::size_t total) : total_(total), shown_(isatty(STDERR_FILENO) != 0) {}
+  ~Progress() {
+    if (shown_) std::fputs("\n", stderr);
+  }
+  Progress(const Progress&) = delete;
+  Progress& operator=(const Progress&) = delete;
+
+  void step() {
+    constexpr std::size_t kWidth = 40;
+    const std::lock_guard lock(terminal_);
+    ++done_;
+    if (!shown_) return;
+    const std::chrono::duration<double> spent = std::chrono::steady_clock::now() - start_;
+    const double left_s = spent.count() / static_cast<double>(done_) * static_cast<double>(total_ - done_);
+    const std::string full(done_ * kWidth / total_, '#'), open(kWidth - full.size(), '.');
+    std::fprintf(stderr, "\rsolving [%s%s] %zu of %zu, %.0f s left  ", full.c_str(), open.c_str(), done_, total_,
+                 left_s);
+  }
+
+ private:
+  std::size_t total_, done_ = 0;
+  bool shown_;
+  std::mutex terminal_;
+  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+};
+
+/// As many solvers beside one another as there are processors.
 void solve_all(const std::vector<Posed>& posed) {
-  std::atomic<std::size_t> next{0}, done{0};
-  std::mutex terminal;
+  std::atomic<std::size_t> next{0};
+  Progress progress(posed.size());
   const auto work = [&] {
     for (std::size_t i = next++; i < posed.size(); i = next++) {
       solve(posed[i]);
-      const std::lock_guard lock(terminal);
-      if (isatty(STDERR_FILENO)) std::fprintf(stderr, "\rsolving %zu of %zu", ++done, posed.size());
+      progress.step();
     }
   };
   std::vector<std::thread> workers;
   for (unsigned i = 0; i < std::max(1U, std::thread::hardware_concurrency()); ++i) workers.emplace_back(work);
   for (auto& w : workers) w.join();
-  if (isatty(STDERR_FILENO)) std::fputs("\n", stderr);
 }
 
 Result<std::vector<Posed>> draw(const Options& o, const fs::path& room) {
   std::vector<Posed> all;
   for (std::size_t i = 0; i < o.cases; ++i) {
-    diag::SealedCase c = diag::draw_case(o.salt, i, o.quick);
+    diag::SealedCase c = o.limits ? diag::draw_limit_case(o.salt, i, o.quick) : diag::draw_case(o.salt, i, o.quick);
     Posed p{.id = c.id,
             .hash = diag::seal(c.id, c.truth, c.nonce),
             .truth = std::move(c.truth),
             .nonce = std::move(c.nonce),
             .recording = room / (c.id + ".csv"),
             .simulation = room / (c.id + ".yaml"),
-            .answer = room / (c.id + ".json")};
+            .answer = room / (c.id + ".json"),
+            .without = std::move(c.without)};
     c.baseline.motion.reset();  // the solver gets the baseline of the sensor, nothing of how the body was moved
     c.baseline.environment = {};
     c.baseline.reference = {};
@@ -113,7 +150,8 @@ Result<std::vector<Posed>> collect(const Options& o, const fs::path& room) {
                    .nonce = "",
                    .recording = file,
                    .simulation = cases / (id + ".yaml"),
-                   .answer = room / (id + ".json")});
+                   .answer = room / (id + ".json"),
+                   .without = {}});
     std::printf("%s  %s\n", id.c_str(), all.back().hash.c_str());
   }
   if (all.empty()) return fail(ErrorKind::kNoInput, cases.string() + ": no recordings (*.csv)");
@@ -157,7 +195,7 @@ int prove(const Options& o) {
     scores.push_back(diag::score_case(p.id, p.truth, nlohmann::json::parse(read_file(p.answer), nullptr, false)));
   }
   fs::remove_all(room);
-  const std::string text = diag::tables(scores);
+  const std::string text = o.limits ? diag::limit_tables(scores) : diag::tables(scores);
   std::printf("\n%s\n%s", sealed ? "opened: every truth matches its seal" : "a truth does not match its seal",
               text.c_str());
   if (!o.report.empty())
@@ -176,6 +214,9 @@ void add_prove(CLI::App& app, Run& run) {
   command->add_option("--folder", o.folder,
                       "take cases made elsewhere: FOLDER/cases/NNN.csv, NNN.yaml and FOLDER/truth/NNN.json");
   command->add_option("--report", o.report, "write the tables, seals and truths as a page (.html)");
+  command->add_flag(
+      "--limits", o.limits,
+      "draw weak effects and measure from which size on they are found, against the test that knows the law");
   command->add_flag("--quick", o.quick, "recordings of one minute instead of two");
   command->callback([&run] { run = [] { return prove(o); }; });
 }

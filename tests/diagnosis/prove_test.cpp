@@ -78,6 +78,41 @@ TEST(Prove, DrawsTheSameCaseFromTheSameSaltAndHidesWhatIsToBeHidden) {
   EXPECT_NE(a.nonce, b.nonce);
 }
 
+TEST(Prove, TakesTheTrueLawOutOfTheSolversLibraryAndSealsWhatItWas) {
+  const SealedCase c = draw_case("salt", 9, true);
+  ASSERT_EQ(c.truth.kind, "deleted");
+  ASSERT_EQ(c.without.size(), 1U);
+  EXPECT_TRUE(c.truth.effects.contains(c.without.front()));
+  EXPECT_TRUE(c.baseline.effects.empty());
+  EXPECT_TRUE(draw_case("salt", 5, true).without.empty());
+}
+
+TEST(Prove, LetsAnEstimatorAbsorbThePhysics) {
+  const SealedCase c = draw_case("salt", 14, true);
+  ASSERT_EQ(c.truth.kind, "absorb");
+  EXPECT_TRUE(c.truth.effects.contains("sys_tracker"));
+  EXPECT_EQ(c.truth.effects.size(), 2U);
+}
+
+TEST(Prove, MeasuresTheLimitInUnitsOfTheLikelihoodRatioTest) {
+  // One coefficient is found by the test that knows its law in half of the cases at d' = 2.576 (99 % point of the
+  // normal).
+  std::vector<CaseScore> scores;
+  for (int i = 0; i < 60; ++i) {
+    CaseScore s;
+    s.truth.kind = "limit", s.truth.reference = "exact";
+    s.truth.effects["mag_current"]["k"] = {1.0};
+    s.truth.d_prime = 2.0 + 0.1 * i;
+    s.outcome = s.truth.d_prime > 2.576 * 1.5 ? "right" : "missed";
+    if (s.outcome == "right") s.said = {"mag_current"};
+    scores.push_back(s);
+  }
+  const std::string text = limit_tables(scores);
+  const std::size_t at = text.find("found ");
+  ASSERT_NE(at, std::string::npos) << text;
+  EXPECT_NEAR(std::stod(text.substr(at + 6)), 1.5, 0.05) << text;
+}
+
 TEST(Prove, RefusesWhatIsNoTruth) {
   for (const char* text : {"", "[]", "{}", "{\"kind\": 3, \"effects\": {}}", "{\"kind\": \"single\"}"})
     EXPECT_FALSE(parse_truth(text, "x.json").has_value()) << text;
