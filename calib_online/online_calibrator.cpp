@@ -34,7 +34,10 @@ OnlineCalibrator::OnlineCalibrator(const Params& params, const CalibrationSnapsh
                                                    : TemperatureModel::kPolynomial),
       acc_(params.accelerometer, params.gravity_mps2),
       cells_(params.temperature_cells),
-      gyr_(params.gyroscope) {}
+      gyr_(params.gyroscope),
+      field_(params.magnetometer) {
+  publish_gyr_matrix();
+}
 
 double OnlineCalibrator::tau(double temp_degC, const TriadCalibration& factory) const noexcept {
   return (temp_degC - factory.temp_ref_degC) / kTempScale_K;
@@ -47,6 +50,7 @@ OnlineCalibrator::State OnlineCalibrator::state() const noexcept {
   out.acc = acc_.state();
   out.acc_cells = cells_.state();
   out.gyr = gyr_.state();
+  out.field = field_.state();
   out.snapshot_version = snapshot_.version;
   return out;
 }
@@ -57,23 +61,23 @@ bool OnlineCalibrator::restore(const State& state) noexcept {
     return std::all_of(a.begin(), a.end(), [](double v) { return std::isfinite(v); });
   };
   if (!all_finite(state.acc.x) || !all_finite(state.acc.P.a) || !all_finite(state.gyr.x) ||
-      !all_finite(state.gyr.P.a) || !all_finite(state.stretch_rate) || !all_finite(state.stretch_cov) ||
-      !all_finite(state.stretch_turn_cov)) {
+      !all_finite(state.gyr.P.a) || !all_finite(state.field.x) || !all_finite(state.field.P.a) ||
+      !all_finite(state.stretch_rate) || !all_finite(state.stretch_cov) || !all_finite(state.stretch_turn_cov)) {
     return false;
   }
   s_ = state;
   acc_.restore(state.acc);
   cells_.restore(state.acc_cells);
   gyr_.restore(state.gyr);
+  field_.restore(state.field);
   snapshot_.version = state.snapshot_version;
   snapshot_.t_ns = state.t_ns;
   commit_stretch();
   const double temp_degC = s_.temp_known ? 0.5 * (s_.temp_min_degC + s_.temp_max_degC) : factory_.acc.temp_ref_degC;
   if (s_.acc_windows > 0) publish_acc(temp_degC);
   if (s_.gyr_windows > 0) publish_gyr(temp_degC);
-  const auto& prior = params_.gyro_matrix;
-  const GyroMatrixFit turns = solve(s_.turns, mat(factory_.gyr.matrix), prior.scale_sd, prior.cross_sd);
-  if (turns.status == FitStatus::kOk && s_.turns.segments > 0) snapshot_.gyr.matrix = array(turns.H);
+  publish_gyr_matrix();
+  if (state.field.pairs > 0) publish_mag();
   s_.has_previous = false;  // where the body was before the restart says nothing of a turn since
   return true;
 }

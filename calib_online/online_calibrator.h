@@ -7,6 +7,7 @@
 #include <string>
 #include <type_traits>
 
+#include "calib_online/field_filter.h"
 #include "calib_online/gyro_matrix.h"
 #include "calib_online/temperature_cells.h"
 #include "calib_online/temperature_filter.h"
@@ -33,6 +34,7 @@ struct OnlineCalibratorParams {
   AccFilterParams accelerometer;
   GyrFilterParams gyroscope;
   GyroMatrixParams gyro_matrix;
+  FieldFilterParams magnetometer;
   std::string temperature_model = "polynomial";
   TemperatureCellsParams temperature_cells;
 
@@ -43,6 +45,7 @@ struct OnlineCalibratorParams {
         field("accelerometer", &P::accelerometer, "how good the factory calibration of the accelerometer is"),
         field("gyroscope", &P::gyroscope, "how good the factory calibration of the gyroscope is"),
         field("gyro_matrix", &P::gyro_matrix, "how good the factory calibration of the gyroscope's matrix is"),
+        field("magnetometer", &P::magnetometer, "how good the factory calibration of the magnetometer is"),
         field("temperature_model", &P::temperature_model, "of the accelerometer: none, cells or polynomial"),
         field("temperature_cells", &P::temperature_cells, "the cells, where they are chosen"),
     };
@@ -59,7 +62,7 @@ class OnlineCalibrator {
 
   /// All that is learnt. Plain: written to disk and read back as it is.
   struct State {
-    static constexpr std::uint32_t kVersion = 1;
+    static constexpr std::uint32_t kVersion = 2;
     std::uint32_t version = kVersion;
     std::uint32_t bytes = 0;  ///< sizeof(State) of the writer
     AccFilter::State acc;
@@ -82,9 +85,13 @@ class OnlineCalibrator {
     Array9 stretch_cov{}, stretch_turn_cov{};
     /// The turns between windows.
     GyroMatrixSums turns;
+    double gyr_matrix_sd = 0.0;  ///< of what is published, rms over its elements
     Array3 previous_acc_mps2{};
     double previous_temp_degC = 0.0;
     bool has_previous = false;
+    /// The field in turns.
+    FieldFilter::State field{};
+    std::int64_t field_t_ns = 0, field_published_ns = 0;
   };
   static_assert(std::is_trivially_copyable_v<State>);
 
@@ -93,6 +100,8 @@ class OnlineCalibrator {
 
   /// Windows in time order. True when the snapshot changed.
   bool absorb(const Window& window) noexcept;
+  /// Turns of the magnetic field, in time order among themselves.
+  bool absorb(const FieldTurn& turn) noexcept;
   [[nodiscard]] const CalibrationSnapshot& snapshot() const noexcept { return snapshot_; }
 
   [[nodiscard]] State state() const noexcept;
@@ -119,6 +128,8 @@ class OnlineCalibrator {
   void learn_acc(const Vec3& x, const Window& window, double variance) noexcept;
   void publish_acc(double temp_degC) noexcept;
   void publish_gyr(double temp_degC) noexcept;
+  bool publish_gyr_matrix() noexcept;  ///< false: the turns give none
+  void publish_mag() noexcept;
 
   Params params_;
   CalibrationSnapshot factory_;
@@ -127,6 +138,7 @@ class OnlineCalibrator {
   AccFilter acc_;
   TemperatureCells cells_;
   GyrFilter gyr_;
+  FieldFilter field_;
   State s_;  ///< its filters' states are filled in by state()
 };
 

@@ -53,9 +53,15 @@ bool OnlineCalibrator::absorb_turn(const Window& w) noexcept {
   const Mat3 S = M * before.covariance * M.transpose() + 2.0 * direction_var * Mat3::Identity() + rotation_cov;
   if (e.dot(S.inverse() * e) > 3.0 * squared(kGate)) return false;
   s_.turns.add_direction(u_before, u, R, J, mat(w.gyr_matrix_used), direction_var, rotation_cov);
+  return publish_gyr_matrix();
+}
+
+bool OnlineCalibrator::publish_gyr_matrix() noexcept {
+  const auto& prior = params_.gyro_matrix;
   const GyroMatrixFit fit = solve(s_.turns, mat(factory_.gyr.matrix), prior.scale_sd, prior.cross_sd);
   if (fit.status != FitStatus::kOk) return false;
-  snapshot_.gyr.matrix = array(fit.H);
+  s_.gyr_matrix_sd = std::sqrt(fit.covariance.trace() / 9.0);
+  snapshot_.gyr.matrix = s_.turns.segments > 0 ? array(fit.H) : factory_.gyr.matrix;
   return true;
 }
 

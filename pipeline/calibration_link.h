@@ -1,11 +1,13 @@
-/// The way from a rest window to the parameters learnt from it (docs/decisions/070-deterministic-calibration.md).
-/// Windows are numbered. The parameters after window n take effect at the first sample at or after the window's end
-/// plus a fixed delay: a rule about sample times only, so a replay gives the same bits at any speed and on any machine.
+/// The way from the evidence to the parameters learnt from it (docs/decisions/070-deterministic-calibration.md).
+/// Evidence is numbered. The parameters after number n take effect at the first sample at or after its end plus a
+/// fixed delay: a rule about sample times only, so a replay gives the same bits at any speed and on any machine.
 #pragma once
 #include <concepts>
 #include <cstdint>
 #include <optional>
+#include <variant>
 
+#include "calib_online/field_turns.h"
 #include "calib_online/online_calibrator.h"
 #include "calib_online/window.h"
 #include "core/calibration.h"
@@ -15,21 +17,33 @@
 
 namespace stillpoint::pipeline {
 
-struct NumberedWindow {
+struct Evidence {
   std::uint64_t number = 0;  ///< 1 for the first of a run
-  calib::Window window;
+  std::variant<calib::Window, calib::FieldTurn> found;
+
+  /// The end of the window or of the turn.
+  [[nodiscard]] std::int64_t t_end_ns() const noexcept {
+    return std::visit([](const auto& e) { return e.t_end_ns; }, found);
+  }
+  [[nodiscard]] double temp_degC() const noexcept {
+    return std::visit([](const auto& e) { return e.temp_degC; }, found);
+  }
+  /// True when the snapshot changed.
+  bool teach(calib::OnlineCalibrator& calibrator) const noexcept {
+    return std::visit([&calibrator](const auto& e) { return calibrator.absorb(e); }, found);
+  }
 };
 
-/// What is in force after all windows up to `number`.
+/// What is in force after all evidence up to `number`.
 struct CalibrationAnswer {
   std::uint64_t number = 0;
   CalibrationSnapshot snapshot;
 };
 
-/// The sensor thread's end. `answer` gives what is known at or beyond window `number`; none: not learnt yet.
+/// The sensor thread's end. `answer` gives what is known at or beyond evidence `number`; none: not learnt yet.
 template <class L>
-concept CalibrationLink = requires(L link, const NumberedWindow& window, std::uint64_t number) {
-  { link.submit(window) }
+concept CalibrationLink = requires(L link, const Evidence& evidence, std::uint64_t number) {
+  { link.submit(evidence) }
   noexcept->std::same_as<bool>;
   { link.answer(number) }
   noexcept->std::same_as<std::optional<CalibrationAnswer>>;
@@ -39,9 +53,9 @@ concept CalibrationLink = requires(L link, const NumberedWindow& window, std::ui
 class DirectLink {
  public:
   explicit DirectLink(calib::OnlineCalibrator& calibrator) noexcept : calibrator_(calibrator) {}
-  bool submit(const NumberedWindow& window) noexcept {
-    calibrator_.absorb(window.window);
-    number_ = window.number;
+  bool submit(const Evidence& evidence) noexcept {
+    evidence.teach(calibrator_);
+    number_ = evidence.number;
     return true;
   }
   std::optional<CalibrationAnswer> answer(std::uint64_t number) noexcept {
@@ -54,9 +68,9 @@ class DirectLink {
   std::uint64_t number_ = 0;
 };
 
-/// Between the two threads: windows go out by a ring, answers come back by a one-writer cell.
+/// Between the two threads: evidence goes out by a ring, answers come back by a one-writer cell.
 struct CalibrationChannel {
-  SpscRing<NumberedWindow, 64> windows;
+  SpscRing<Evidence, 64> evidence;
   SnapshotCell<CalibrationAnswer> answers;
 };
 
@@ -71,7 +85,7 @@ class ThreadLink {
   ThreadLink(CalibrationChannel& channel, OnLateAnswer late, const std::atomic<bool>& stop) noexcept
       : channel_(channel), late_(late), stop_(stop) {}
 
-  bool submit(const NumberedWindow& window) noexcept { return channel_.windows.try_push(window); }
+  bool submit(const Evidence& evidence) noexcept { return channel_.evidence.try_push(evidence); }
 
   std::optional<CalibrationAnswer> answer(std::uint64_t number) noexcept {
     while (true) {

@@ -1,4 +1,4 @@
-/// The calibration thread: learns from the windows, answers the sensor thread, and serves an observer that does
+/// The calibration thread: learns from the evidence, answers the sensor thread, and serves an observer that does
 /// everything slow (reliable topics, diagnostics, persistence, logging).
 #pragma once
 #include "pipeline/sensor_loop.h"
@@ -7,11 +7,11 @@ namespace stillpoint::pipeline {
 
 /// All calls come from the calibration thread.
 template <class O>
-concept Observer = requires(O observer, const Outgoing& sample, const NumberedWindow& window,
+concept Observer = requires(O observer, const Outgoing& sample, const Evidence& evidence,
                             const CalibrationSnapshot& snapshot, const SensorReport& report, std::int64_t now_ns) {
   observer.on_sample(sample);
-  observer.on_calibration(window, snapshot);  ///< the snapshot changed
-  observer.on_tick(report, now_ns);           ///< once a second, and once at the end
+  observer.on_calibration(evidence, snapshot);  ///< the snapshot changed
+  observer.on_tick(report, now_ns);             ///< once a second, and once at the end
 };
 
 template <Observer O>
@@ -52,10 +52,10 @@ class CalibrationLoop {
   }
 
   void learn() {
-    while (shared_.calibration.windows.try_pop(window_)) {
-      const bool changed = calibrator_.absorb(window_.window);
-      shared_.calibration.answers.store({window_.number, calibrator_.snapshot()});
-      if (changed) observer_.on_calibration(window_, calibrator_.snapshot());
+    while (shared_.calibration.evidence.try_pop(evidence_)) {
+      const bool changed = evidence_.teach(calibrator_);
+      shared_.calibration.answers.store({evidence_.number, calibrator_.snapshot()});
+      if (changed) observer_.on_calibration(evidence_, calibrator_.snapshot());
     }
   }
 
@@ -65,7 +65,7 @@ class CalibrationLoop {
   std::int64_t poll_ns_;
   SensorReport report_;
   Outgoing sample_;  ///< the one just taken from its ring
-  NumberedWindow window_;
+  Evidence evidence_;
 };
 
 }  // namespace stillpoint::pipeline

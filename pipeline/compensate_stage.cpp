@@ -86,4 +86,11 @@ void CompensateStage::compensate(calib::Window& window, const CalibrationSnapsho
   if ((window.has & kMag) != 0) window.mag_uT = without(window.mag_uT, live.mag, tau_K * c_.mag_per_K);
 }
 
+void CompensateStage::compensate(calib::FieldTurn& turn, const CalibrationSnapshot& live) const noexcept {
+  if (!c_.any) return;
+  const Vec3 delta = (turn.temp_degC - c_.temp_ref_degC) * c_.mag_per_K;
+  turn.before_uT = without(turn.before_uT, live.mag, delta);
+  turn.after_uT = without(turn.after_uT, live.mag, delta);
+}
+
 }  // namespace stillpoint::pipeline

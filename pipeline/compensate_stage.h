@@ -3,6 +3,7 @@
 /// Rest windows are compensated too, before anything is learnt from them: otherwise the calibration would absorb the
 /// same effect into its bias and it would be subtracted twice.
 #pragma once
+#include "calib_online/field_turns.h"
 #include "calib_online/window.h"
 #include "core/calibration.h"
 #include "pipeline/stage.h"
@@ -37,6 +38,8 @@ class CompensateStage {
 
   /// The window's raw means without the effects that show at rest. `live` is the calibration in force.
   void compensate(calib::Window& window, const CalibrationSnapshot& live) const noexcept;
+  /// The same for a turn of the field.
+  void compensate(calib::FieldTurn& turn, const CalibrationSnapshot& live) const noexcept;
 
  private:
   [[nodiscard]] Vec3 true_force(const Vec3& u, double tau_K) const noexcept;

@@ -3,6 +3,7 @@
 #pragma once
 #include <optional>
 
+#include "calib_online/field_turns.h"
 #include "calib_online/rest_detector.h"
 #include "core/attitude_message.h"
 #include "fusion/attitude_filter.h"
@@ -21,7 +22,7 @@ struct StagesParams {
   Compensation compensation;
   OutputFrame frame;
   std::optional<double> initial_heading_rad;
-  double answer_delay_s = 0.1;  ///< from the end of a window to the use of what was learnt from it
+  double answer_delay_s = 0.1;  ///< from the end of a piece of evidence to the use of what was learnt from it
   bool learn = true;            ///< false: the calibration of the start serves all the time
 };
 
@@ -38,10 +39,10 @@ struct Processed {
 
 /// Counted on the sensor thread.
 struct StagesCounts {
-  std::uint64_t windows = 0;          ///< rest windows handed to the calibration
-  std::uint64_t windows_dropped = 0;  ///< the ring was full
-  std::uint64_t answers_late = 0;     ///< answers that were not there when they should have taken effect
-  std::uint64_t gate_refused = 0;     ///< estimates that were not a finite unit quaternion: never let out
+  std::uint64_t windows = 0;           ///< rest windows handed to the calibration
+  std::uint64_t evidence_dropped = 0;  ///< the ring was full
+  std::uint64_t answers_late = 0;      ///< answers that were not there when they should have taken effect
+  std::uint64_t gate_refused = 0;      ///< estimates that were not a finite unit quaternion: never let out
 };
 
 class Stages {
@@ -67,6 +68,7 @@ class Stages {
     if (guard_.process(raw, guarded) == StageStatus::kDrop) return StageStatus::kDrop;
     take_answer(guarded.sample.t_ns, link);
     find_window(guarded.sample, link);
+    find_turn(guarded, link);
     CalibratedSample corrected;
     correct_.process(guarded, corrected);
     compensate_.process(corrected, out.sample);
@@ -106,12 +108,25 @@ class Stages {
     compensate_.compensate(*window, live());
     ++counts_.windows;
     if (!params_.learn) return;
-    if (!link.submit({submitted_ + 1, *window})) {
-      ++counts_.windows_dropped;
+    submit(*window, link);
+  }
+
+  template <CalibrationLink Link>
+  void find_turn(const GuardedSample& guarded, Link& link) noexcept {
+    auto turn = turns_.push(guarded.sample, guarded.clipped, live());
+    if (!turn || !params_.learn) return;
+    compensate_.compensate(*turn, live());
+    submit(*turn, link);
+  }
+
+  template <class Found, CalibrationLink Link>
+  void submit(const Found& found, Link& link) noexcept {
+    if (!link.submit({submitted_ + 1, found})) {
+      ++counts_.evidence_dropped;
       return;
     }
     ++submitted_;
-    due_ns_ = window->t_end_ns + static_cast<std::int64_t>(1e9 * params_.answer_delay_s);
+    due_ns_ = found.t_end_ns + static_cast<std::int64_t>(1e9 * params_.answer_delay_s);
   }
 
   StageStatus estimate(Processed& out) noexcept;
@@ -119,11 +134,12 @@ class Stages {
   StagesParams params_;
   GuardStage guard_;
   calib::RestDetector rest_;
+  calib::FieldTurnFinder turns_;
   CorrectStage correct_;
   CompensateStage compensate_;
   fusion::AttitudeFilter filter_;
   StagesCounts counts_;
-  std::uint64_t submitted_ = 0, answered_ = 0;  ///< numbers of windows
+  std::uint64_t submitted_ = 0, answered_ = 0;  ///< numbers of evidence
   std::int64_t due_ns_ = 0;
   bool late_ = false;
 };

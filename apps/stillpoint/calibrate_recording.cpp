@@ -12,6 +12,7 @@
 
 #include "apps/stillpoint/calibrate.h"
 #include "apps/stillpoint/commands.h"
+#include "calib_online/field_turns.h"
 #include "calib_online/online_calibrator.h"
 #include "calib_online/rest_detector.h"
 #include "io/recording.h"
@@ -27,29 +28,8 @@ struct Outcome {
   CalibrationSnapshot factory, learnt;
   double gravity_mps2 = kStandardGravity_mps2;
   double duration_s = 0.0;
+  bool has_mag = false;
 };
-
-const char* text(CalibrationStatus status) {
-  switch (status) {
-    case CalibrationStatus::kFactory:
-      return "factory";
-    case CalibrationStatus::kOk:
-      return "ok";
-    case CalibrationStatus::kTooFewWindows:
-      return "too_few_windows";
-    case CalibrationStatus::kNotObservable:
-      return "not_observable";
-    case CalibrationStatus::kNotPositiveDefinite:
-      return "not_positive_definite";
-    case CalibrationStatus::kClipped:
-      return "clipped";
-    case CalibrationStatus::kStuck:
-      return "stuck";
-    case CalibrationStatus::kReplaced:
-      return "replaced";
-  }
-  return "?";
-}
 
 /// To standard error, on a terminal, for files that take long enough to wonder.
 class Progress {
@@ -93,10 +73,13 @@ Outcome calibrate(const io::Recording& recording, calib::OnlineCalibrator& calib
   calib::RestDetectorParams params;
   params.gravity_mps2 = gravity_mps2;
   calib::RestDetector detector(params);
+  calib::FieldTurnFinder turns;
   const Progress progress(recording.size());
   for (std::size_t row = 0; row < recording.size(); ++row) {
     progress.at(row);
-    const auto window = detector.push(recording.sample(row), calibrator.snapshot());
+    const RawSample sample = recording.sample(row);
+    const auto window = detector.push(sample, calibrator.snapshot());
+    if (const auto turn = turns.push(sample, 0, calibrator.snapshot())) calibrator.absorb(*turn);
     const double step_s = row > 0 ? recording.t_s(row) - recording.t_s(row - 1) : 0.0;
     run.refused_s[std::string(calib::name(detector.last_refusal()))] += step_s;
     if (!window) continue;
@@ -104,6 +87,7 @@ Outcome calibrate(const io::Recording& recording, calib::OnlineCalibrator& calib
     calibrator.absorb(*window);
   }
   run.learnt = calibrator.snapshot();
+  run.has_mag = !recording.mag_uT.empty();
   run.duration_s = recording.t_s(recording.size() - 1) - recording.t_s(0);
   return run;
 }
@@ -138,6 +122,10 @@ std::vector<std::string> missing(const Outcome& run) {
     out.push_back(fmt::format(
         "{} turns between windows; the gyro's matrix and the angles between the sensors need turns about three axes",
         turned));
+  if (run.has_mag && run.learnt.mag.status == CalibrationStatus::kTooFewWindows)
+    out.push_back(fmt::format("{} turns of the magnetic field; thirty are the least", run.learnt.mag.windows));
+  if (run.has_mag && run.learnt.mag.status == CalibrationStatus::kNotObservable)
+    out.emplace_back("turns of the magnetic field about more axes, away from iron");
   return out;
 }
 
@@ -157,7 +145,7 @@ Norms norms(const Outcome& run) {
 
 Json to_json(const TriadCalibration& t) {
   Json j;
-  j["status"] = text(t.status);
+  j["status"] = name(t.status);
   j["windows"] = t.windows;
   j["bias"] = t.bias;
   j["bias_sd"] = nullptr;  // unknown is not zero
@@ -184,6 +172,7 @@ Json to_json(const std::string& path, const Outcome& run) {
   j["norm_rms_error_mps2"] = {{"before", n.before_mps2}, {"after", n.after_mps2}};
   j["accelerometer"] = to_json(run.learnt.acc);
   j["gyroscope"] = to_json(run.learnt.gyr);
+  if (run.has_mag) j["magnetometer"] = to_json(run.learnt.mag);
   j["missing"] = missing(run);
   return j;
 }
@@ -193,8 +182,8 @@ std::string plus_minus(double variance, double factor) {
   return variance > 0.0 ? fmt::format("+- {:.4f}", factor * std::sqrt(variance)) : std::string("(sd unknown)");
 }
 
-void print(const char* sensor, const char* unit, double factor, const TriadCalibration& t) {
-  fmt::print("\n{}: {}, {} windows\n", sensor, text(t.status), t.windows);
+void print(const char* sensor, const char* evidence, const char* unit, double factor, const TriadCalibration& t) {
+  fmt::print("\n{}: {}, {} {}\n", sensor, name(t.status), t.windows, evidence);
   for (std::size_t k = 0; k < 3; ++k) {
     fmt::print("  bias {}  {:10.4f} {} {}", "xyz"[k], factor * t.bias[k], plus_minus(t.bias_covariance[4 * k], factor),
                unit);
@@ -209,7 +198,7 @@ void print(const std::string& path, const Outcome& run) {
   fmt::print("{}: {:.1f} s, {} windows of rest\n", path, run.duration_s, run.windows.size());
   for (const auto& [reason, s] : run.refused_s)
     if (s > 0.0) fmt::print("  {:8.1f} s  {}\n", s, reason == "none" ? "at rest" : reason);
-  print("accelerometer", "m/s^2", 1.0, run.learnt.acc);
+  print("accelerometer", "windows", "m/s^2", 1.0, run.learnt.acc);
   if (run.learnt.acc.norm_sd > 0.0) {
     const Norms n = norms(run);
     fmt::print("  norm known to {:.4f} m/s^2 (rms over the sphere); windows off by {:.4f} before, {:.4f} after\n",
@@ -217,7 +206,8 @@ void print(const std::string& path, const Outcome& run) {
   } else {
     fmt::print("  norm: unknown, nothing learnt\n");
   }
-  print("gyroscope", "deg/s", kDegPerRad, run.learnt.gyr);
+  print("gyroscope", "windows", "deg/s", kDegPerRad, run.learnt.gyr);
+  if (run.has_mag) print("magnetometer", "turns of the field", "uT", 1.0, run.learnt.mag);
   fmt::print("\nstill missing:\n");
   const auto lacks = missing(run);
   for (const auto& line : lacks) fmt::print("  {}\n", line);

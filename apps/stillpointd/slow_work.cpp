@@ -14,9 +14,9 @@ std::string reason(const TriadCalibration& triad) {
     case CalibrationStatus::kFactory:
       return "nothing learnt yet: the configured values serve";
     case CalibrationStatus::kTooFewWindows:
-      return fmt::format("only {} rest windows so far", triad.windows);
+      return fmt::format("only {} pieces of evidence so far", triad.windows);
     case CalibrationStatus::kNotObservable:
-      return "rests in too few directions; lay the sensor down on other sides";
+      return "too few directions were seen; turn the sensor onto its other sides";
     case CalibrationStatus::kNotPositiveDefinite:
       return "the readings at rest lie on no ellipsoid";
     case CalibrationStatus::kClipped:
@@ -55,15 +55,14 @@ void SlowWork::on_sample(const pipeline::Outgoing& sample) {
   last_ = sample.message;
 }
 
-void SlowWork::on_calibration(const pipeline::NumberedWindow& numbered, const CalibrationSnapshot& s) {
+void SlowWork::on_calibration(const pipeline::Evidence& evidence, const CalibrationSnapshot& s) {
   publisher_.publish_calibration(to_message(s, config_.sensor.id));
   unsaved_ = true;
-  const auto& w = numbered.window;
-  log(
-      fmt::format("calibration version={} t_s={:.2f} temp_degC={:.1f} gyr_bias_radps={:.5f},{:.5f},{:.5f} ({}) "
-                  "acc_bias_mps2={:.4f},{:.4f},{:.4f} ({})",
-                  s.version, 1e-9 * static_cast<double>(w.t_end_ns), w.temp_degC, s.gyr.bias[0], s.gyr.bias[1],
-                  s.gyr.bias[2], name(s.gyr.status), s.acc.bias[0], s.acc.bias[1], s.acc.bias[2], name(s.acc.status)));
+  log(fmt::format(
+      "calibration version={} t_s={:.2f} temp_degC={:.1f} gyr_bias_radps={:.5f},{:.5f},{:.5f} ({}) "
+      "acc_bias_mps2={:.4f},{:.4f},{:.4f} ({})",
+      s.version, 1e-9 * static_cast<double>(evidence.t_end_ns()), evidence.temp_degC(), s.gyr.bias[0], s.gyr.bias[1],
+      s.gyr.bias[2], name(s.gyr.status), s.acc.bias[0], s.acc.bias[1], s.acc.bias[2], name(s.acc.status)));
 }
 
 bool SlowWork::stale(const pipeline::SensorReport& report, std::int64_t now_ns) const {
@@ -106,7 +105,7 @@ DiagnosticsMessage SlowWork::diagnostics(const pipeline::SensorReport& report, s
     d.expected_rate_hz = config_.source.speed / report.usual_step_s;
   d.gaps = report.guard.gaps;
   d.longest_gap_s = 1e-9 * static_cast<double>(report.guard.longest_gap_ns);
-  d.dropped = report.ring_dropped + report.stages.windows_dropped;
+  d.dropped = report.ring_dropped + report.stages.evidence_dropped;
   d.clipped = report.guard.clipped;
   d.refused = report.guard.refused + report.stages.gate_refused;
   d.write_failures = report.write_failures;

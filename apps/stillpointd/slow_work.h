@@ -18,7 +18,7 @@ class SlowWork {
            const io::StateStore* store, const pipeline::Shared& shared);
 
   void on_sample(const pipeline::Outgoing& sample);
-  void on_calibration(const pipeline::NumberedWindow& window, const CalibrationSnapshot& snapshot);
+  void on_calibration(const pipeline::Evidence& evidence, const CalibrationSnapshot& snapshot);
   void on_tick(const pipeline::SensorReport& report, std::int64_t now_ns);
   /// Writes what is not yet on disk.
   void save();

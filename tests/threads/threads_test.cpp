@@ -25,7 +25,7 @@ struct Watch {
   int pause_ms = 0;
   std::size_t samples = 0, calibrations = 0, ticks = 0;
   void on_sample(const Outgoing&) { ++samples; }
-  void on_calibration(const NumberedWindow&, const CalibrationSnapshot&) {
+  void on_calibration(const Evidence&, const CalibrationSnapshot&) {
     ++calibrations;
     std::this_thread::sleep_for(std::chrono::milliseconds(pause_ms));
   }
@@ -112,15 +112,15 @@ TEST(Threads, TheCellNeverGivesATornSnapshotAndTheRingLosesNothingItAccepted) {
       answer.snapshot.version = n;
       answer.snapshot.mag.norm_sd = static_cast<double>(n);
       channel->answers.store(answer);
-      NumberedWindow window{n, {}};
-      while (!channel->windows.try_push(window)) std::this_thread::yield();
+      const Evidence evidence{n, {}};
+      while (!channel->evidence.try_push(evidence)) std::this_thread::yield();
     }
   });
   std::uint64_t popped = 0, seen = 0;
-  NumberedWindow window;
+  Evidence evidence;
   while (popped < kCount) {
-    if (channel->windows.try_pop(window)) {
-      ASSERT_EQ(window.number, ++popped);
+    if (channel->evidence.try_pop(evidence)) {
+      ASSERT_EQ(evidence.number, ++popped);
     }
     if (const auto answer = channel->answers.try_load()) {
       ASSERT_EQ(answer->number, answer->snapshot.version);
