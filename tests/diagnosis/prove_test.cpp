@@ -108,9 +108,9 @@ TEST(Prove, MeasuresTheLimitInUnitsOfTheLikelihoodRatioTest) {
     scores.push_back(s);
   }
   const std::string text = limit_tables(scores);
-  const std::size_t at = text.find("found ");
+  const std::size_t at = text.find("): found ");
   ASSERT_NE(at, std::string::npos) << text;
-  EXPECT_NEAR(std::stod(text.substr(at + 6)), 1.5, 0.05) << text;
+  EXPECT_NEAR(std::stod(text.substr(at + 9)), 1.5, 0.05) << text;
 }
 
 TEST(Prove, RefusesWhatIsNoTruth) {
