@@ -64,7 +64,8 @@ std::string kalibr_yaml(const std::vector<SensorNoise>& sensors, double rate_hz)
   for (const SensorNoise& s : sensors) {
     if (s.name == "mag") continue;  // Kalibr calibrates accelerometer and gyroscope
     out += kalibr_line(s.key + "_noise_density", s.unit + "/sqrt(Hz)", s, sim::kWhite);
-    out += kalibr_line(s.key + "_random_walk", s.unit + "/s/sqrt(Hz)", s, sim::kRandomWalk);
+    const std::string rate_of_change = s.name == "acc" ? "m/s^3" : "rad/s^2";
+    out += kalibr_line(s.key + "_random_walk", rate_of_change + "/sqrt(Hz)", s, sim::kRandomWalk);
   }
   return out + fmt::format("update_rate: {:.6g}   # Hz\n", rate_hz);
 }
