@@ -36,6 +36,7 @@ Simulator::Simulator(const SimulationConfig& config, std::shared_ptr<const Motio
       lost_random_(seed, "timing lost"),
       aux_random_(seed, "environment noise"),
       now_t_s_(std::numeric_limits<double>::quiet_NaN()) {
+  remembered_.fill({std::numeric_limits<double>::quiet_NaN(), {}});
   SP_EXPECTS(frame_.size() <= 32);  // bits of a mask; the reader of the YAML refuses more
   for (const auto& f : frame_) R_sensor_body_.push_back(exp_so3(-f.values.vec3(0)));
   const std::optional<TriadConfig>* triads[] = {&config_.accelerometer, &config_.gyroscope, &config_.magnetometer};
@@ -63,6 +64,7 @@ void Simulator::add_chain(Sensor sensor, const TriadConfig& triad, std::uint64_t
       channels.push_back(
           {Element(sensor, config_, triad), axis, Vec3::Unit(axis), std::numeric_limits<double>::quiet_NaN()});
   }
+  filters_ = filters_ || chain.channels.front().element.filters();
 }
 
 std::uint32_t Simulator::frames_of(Sensor sensor, int axis, double t_s) const noexcept {
@@ -72,11 +74,21 @@ std::uint32_t Simulator::frames_of(Sensor sensor, int axis, double t_s) const no
   return frames;
 }
 
+MotionState Simulator::motion_at(double t_s) noexcept {
+  if (!filters_) return motion_->at(t_s);
+  for (const Remembered& r : remembered_)
+    if (r.t_s == t_s) return r.motion;
+  Remembered& r = remembered_[oldest_];
+  oldest_ = (oldest_ + 1) % remembered_.size();
+  r = {t_s, motion_->at(t_s)};
+  return r.motion;
+}
+
 /// Everything true at one time, with force, rate and field bare.
 void Simulator::fill_instant(double t_s, std::uint32_t frames) noexcept {
   now_.t_s = now_t_s_ = t_s;
   now_frames_ = frames;
-  now_.motion = motion_->at(t_s);
+  now_.motion = motion_at(t_s);
   now_.R_body_world = now_.motion.q_world_body.conjugate().toRotationMatrix();
   now_.temp_degC = environment_.temp_degC(t_s);
   now_.current_A = environment_.current_A(t_s);
@@ -192,7 +204,7 @@ void Simulator::transport(double row_t_s, RawSample& out) noexcept {
 
 void Simulator::write_reference(double row_t_s, SimulatedSample& out) noexcept {
   const bool known = row_t_s == now_t_s_ && frame_.empty();
-  const MotionState truth = known ? now_.motion : motion_->at(row_t_s);
+  const MotionState truth = known ? now_.motion : motion_at(row_t_s);
   const Mat3 R_body_world = truth.q_world_body.conjugate().toRotationMatrix();
   out.true_q_world_body = truth.q_world_body;
   out.true_position_m = truth.position_m;

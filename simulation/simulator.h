@@ -60,6 +60,7 @@ class Simulator {
 
   void add_chain(Sensor sensor, const TriadConfig& triad, std::uint64_t seed);
   [[nodiscard]] std::uint32_t frames_of(Sensor sensor, int axis, double t_s) const noexcept;
+  [[nodiscard]] MotionState motion_at(double t_s) noexcept;
   void fill_instant(double t_s, std::uint32_t frames) noexcept;
   const Vec3& at_place(Sensor sensor, double t_s, std::uint32_t frames) noexcept;
   [[nodiscard]] Vec3 signal_of(Sensor sensor, Channel& channel) noexcept;
@@ -78,6 +79,14 @@ class Simulator {
   std::vector<ActiveEffect> dup_, tracker_, frame_;
   std::vector<Mat3> R_sensor_body_;  ///< one per entry of frame_
   Stream dup_random_, lost_random_, aux_random_;
+  /// The motion at the last few times asked for: filters of two sensors step through the same ones.
+  struct Remembered {
+    double t_s;
+    MotionState motion;
+  };
+  std::array<Remembered, 8> remembered_;
+  std::size_t oldest_ = 0;
+  bool filters_ = false;  ///< else no time is asked for twice but the row's own, which now_ holds
   Instant now_;
   std::array<bool, 3> placed_{};  ///< which of now_'s force, rate and field carry the laws of their place
   double now_t_s_;
