@@ -4,6 +4,7 @@
 
 #include <Eigen/QR>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <optional>
 
@@ -15,7 +16,8 @@ namespace {
 constexpr std::size_t kCells = 240;
 constexpr double kAbstain_nats = 10.0;
 constexpr double kWalkOverWhite = 3.0;  // spread of the cell means over what white noise leaves, before it is a drift
-constexpr double kStillMotion = 0.3;    // rad/s
+constexpr std::array<double, 5> kLagShares{0.01, 0.02, 0.04, 0.08, 0.16};  // of the recording's length
+constexpr double kStillMotion = 0.3;                                       // rad/s
 
 struct Still {
   std::vector<double> t_s;
@@ -110,6 +112,18 @@ Judged judge(const Still& s, const Eigen::MatrixXd& columns) {
   return j;
 }
 
+/// T - T_L: how far the temperature that lags by tau is behind.
+Eigen::VectorXd behind(const Still& s, double tau_s) {
+  Eigen::VectorXd out(s.temp.size());
+  double slow = s.temp[0];
+  for (long i = 0; i < out.size(); ++i) {
+    const auto at = static_cast<std::size_t>(i);
+    if (i > 0) slow += (1.0 - std::exp(-(s.t_s[at] - s.t_s[at - 1]) / tau_s)) * (s.temp[i] - slow);
+    out[i] = s.temp[i] - slow;
+  }
+  return out;
+}
+
 std::vector<StillLaw> laws_of(const Still& s, const std::string& sensor, const std::string& unit) {
   std::vector<StillLaw> laws;
   if (s.temp.size() == 0) return laws;
@@ -120,16 +134,9 @@ std::vector<StillLaw> laws_of(const Still& s, const std::string& sensor, const s
   laws.push_back(
       {sensor + "_temp_quad", "D = k1 tau + k2 tau^2, tau = T - T0", unit + "/K, /K^2", {"k1", "k2"}, quad, 0.0});
   const double span_s = s.t_s.back() - s.t_s.front();
-  for (const double share : {0.01, 0.02, 0.04, 0.08, 0.16}) {
+  for (const double share : kLagShares) {
     Eigen::MatrixXd lag(tau.size(), 2);
-    double slow = tau[0];
-    for (long i = 0; i < tau.size(); ++i) {
-      if (i > 0)
-        slow += (1.0 - std::exp(-(s.t_s[static_cast<std::size_t>(i)] - s.t_s[static_cast<std::size_t>(i) - 1]) /
-                                (share * span_s))) *
-                (tau[i] - slow);
-      lag(i, 0) = tau[i], lag(i, 1) = tau[i] - slow;
-    }
+    lag << tau, behind(s, share * span_s);
     laws.push_back({sensor + "_temp_lag",
                     "D = k0 (T - T0) + k (T - T_L), tau dT_L/dt = T - T_L",
                     unit + "/K",
@@ -184,6 +191,43 @@ Finding describe(const Still& s, Sensor sensor, const StillLaw& law, const Judge
   return f;
 }
 
+/// Two branches, heating and cooling, beside a law of temperature: the lag that explains most of what the law leaves.
+/// The law's own numbers are then those of the joint fit.
+std::optional<Finding> hysteresis(const Still& s, Sensor sensor, const StillLaw& law, const Judged& alone,
+                                  Finding& named) {
+  const long n = s.mean.rows(), p = law.columns.cols();
+  const double span_s = s.t_s.back() - s.t_s.front();
+  std::optional<Judged> best;
+  StillLaw both = law;
+  for (const double share : kLagShares) {
+    Eigen::MatrixXd columns(n, p + 1);
+    columns << law.columns, behind(s, share * span_s);
+    Judged j = judge(s, columns);
+    if (best && j.gain <= best->gain) continue;
+    best = std::move(j);
+    both.columns = std::move(columns), both.tau_s = share * span_s;
+  }
+  const double score = best->gain - alone.gain - 1.5 * std::log(static_cast<double>(n)) - 2.0;
+  if (score < kAbstain_nats || best->held_out < alone.held_out + 1.0) return std::nullopt;
+  both.id = fmt::format("{}_temp_lag", kSensorName[sensor]);
+  both.equation = "D = k (T - T_L), tau dT_L/dt = T - T_L";
+  both.symbols.emplace_back("k");
+  Finding f = describe(s, sensor, both, *best, score);
+  int strongest = 0;
+  best->before.maxCoeff(&strongest);
+  f.driver = "temperature, lagging: heating and cooling take two branches";
+  f.held_out.rms_before = alone.after[strongest];
+  f.held_out.gain_nats = best->held_out - alone.held_out;
+  f.equivalent.clear();
+  for (auto& q : named.parameters)
+    for (const auto& joint : f.parameters)
+      if (joint.name == q.name) q = joint;
+  std::erase_if(f.parameters, [](const Parameter& q) { return q.name != "tau" && !q.name.starts_with("k_"); });
+  f.decided_by =
+      "a slow cycle with its true clock: the loop between heating and cooling closes when the change is slow";
+  return f;
+}
+
 Finding describe_drift(const Still& s, Sensor sensor) {
   Finding f;
   f.effect = fmt::format("{}_drift", kSensorName[sensor]);
@@ -217,7 +261,9 @@ Diagnosis diagnose_still(const io::Recording& r, const sim::SimulationConfig& si
   for (const Sensor sensor : {kGyr, kAcc}) {
     if (triad(simulation, sensor) == nullptr || triad(r, sensor).size() < 400) continue;
     const Still s = cells_of(r, sensor);
-    std::optional<Finding> best;
+    std::optional<Finding> best, loop;
+    StillLaw best_law;
+    Judged best_judged;
     double best_score = kAbstain_nats;
     for (const auto& law : laws_of(s, kSensorName[sensor], kSensorUnit[sensor])) {
       if (std::find(without.begin(), without.end(), law.id) != without.end()) continue;
@@ -229,11 +275,15 @@ Diagnosis diagnose_still(const io::Recording& r, const sim::SimulationConfig& si
       if (score <= best_score || j.held_out < 1.0) continue;
       best_score = score;
       best = describe(s, sensor, law, j, score);
+      best_law = law, best_judged = j;
     }
     const double spread =
         std::sqrt((s.mean.rowwise() - s.mean.colwise().mean()).squaredNorm() / static_cast<double>(3 * s.mean.rows()));
     if (!best && spread > kWalkOverWhite * s.cell_sd) best = describe_drift(s, sensor);
+    if (best && best_law.columns.size() > 0 && best_law.tau_s == 0)
+      loop = hysteresis(s, sensor, best_law, best_judged, *best);
     if (best) d.findings.push_back(std::move(*best));
+    if (loop) d.findings.push_back(std::move(*loop));
   }
   d.verdict = d.findings.empty() ? Verdict::kNoMismatch : Verdict::kExplained;
   std::string named;
