@@ -37,6 +37,7 @@ OnlineCalibrator::OnlineCalibrator(const Params& params, const CalibrationSnapsh
       gyr_(params.gyroscope),
       field_(params.magnetometer) {
   publish_gyr_matrix();
+  s_.sound = {factory.acc.status, factory.gyr.status, factory.mag.status};
 }
 
 double OnlineCalibrator::tau(double temp_degC, const TriadCalibration& factory) const noexcept {
@@ -78,11 +79,40 @@ bool OnlineCalibrator::restore(const State& state) noexcept {
   if (s_.gyr_windows > 0) publish_gyr(temp_degC);
   publish_gyr_matrix();
   if (state.field.pairs > 0) publish_mag();
+  s_.stuck = s_.clipped = 0;
+  s_.sound = {snapshot_.acc.status, snapshot_.gyr.status, snapshot_.mag.status};
   s_.has_previous = false;  // where the body was before the restart says nothing of a turn since
   return true;
 }
 
 bool OnlineCalibrator::absorb(const Window& window) noexcept {
+  snapshot_.acc.status = s_.sound[0];
+  snapshot_.gyr.status = s_.sound[1];
+  snapshot_.mag.status = s_.sound[2];
+  const bool faults_changed = window.stuck != s_.stuck || window.clipped != s_.clipped;
+  s_.stuck = window.stuck;
+  s_.clipped = window.clipped;
+  const bool changed = ((window.has & (kAcc | kGyr | kMag)) != 0 && learn(window)) || faults_changed;
+  name_faults();
+  if (changed) {
+    ++snapshot_.version;
+    snapshot_.t_ns = window.t_end_ns;
+  }
+  return changed;
+}
+
+/// What a triad that is stuck or clipped has learnt stays; its status says that it cannot be relied on now.
+void OnlineCalibrator::name_faults() noexcept {
+  const std::array<TriadCalibration*, 3> triads{&snapshot_.acc, &snapshot_.gyr, &snapshot_.mag};
+  const std::array<std::uint8_t, 3> bits{kAcc, kGyr, kMag};
+  for (std::size_t k = 0; k < 3; ++k) {
+    s_.sound[k] = triads[k]->status;
+    if ((s_.clipped & bits[k]) != 0) triads[k]->status = CalibrationStatus::kClipped;
+    if ((s_.stuck & bits[k]) != 0) triads[k]->status = CalibrationStatus::kStuck;
+  }
+}
+
+bool OnlineCalibrator::learn(const Window& window) noexcept {
   predict(window.t_end_ns);
   const bool known = (window.has & kTemp) != 0;
   const double temp_degC = known ? window.temp_degC : factory_.acc.temp_ref_degC;
@@ -99,12 +129,7 @@ bool OnlineCalibrator::absorb(const Window& window) noexcept {
     changed = true;
   }
   changed = ((window.has & kGyr) != 0 && absorb_gyr(window)) || changed;
-  changed = absorb_turn(window) || changed;
-  if (changed) {
-    ++snapshot_.version;
-    snapshot_.t_ns = window.t_end_ns;
-  }
-  return changed;
+  return absorb_turn(window) || changed;
 }
 
 void OnlineCalibrator::predict(std::int64_t t_ns) noexcept {
@@ -147,7 +172,8 @@ bool OnlineCalibrator::absorb_acc(const Window& w) noexcept {
       s_.acc_windows = 0;
     }
     acc_.widen(1.0);
-    return false;
+    accelerometer_replaced();
+    return true;
   }
   s_.acc_rejected_run = 0;
   s_.factory_error = kErrorMemory * s_.factory_error + squared(x.squaredNorm() - 1.0);
@@ -157,6 +183,16 @@ bool OnlineCalibrator::absorb_acc(const Window& w) noexcept {
   ++s_.acc_windows;
   publish_acc(w.temp_degC);
   return true;
+}
+
+/// Another sensor, or a blow: nothing that was learnt is published until it is known anew.
+void OnlineCalibrator::accelerometer_replaced() noexcept {
+  s_.acc_replaced = true;
+  s_.factory_error = s_.learnt_error = s_.error_weight = 0.0;
+  const std::uint32_t windows = s_.acc_windows;
+  snapshot_.acc = factory_.acc;
+  snapshot_.acc.windows = windows;
+  snapshot_.acc.status = CalibrationStatus::kReplaced;
 }
 
 void OnlineCalibrator::learn_acc(const Vec3& x, const Window& w, double variance) noexcept {
@@ -200,7 +236,9 @@ void OnlineCalibrator::publish_acc(double temp_degC) noexcept {
     const std::uint32_t windows = s_.acc_windows;
     out = factory_.acc;
     out.windows = windows;
-    out.status = here ? CalibrationStatus::kReplaced : CalibrationStatus::kNotPositiveDefinite;
+    out.status = !here             ? CalibrationStatus::kNotPositiveDefinite
+                 : s_.acc_replaced ? CalibrationStatus::kReplaced
+                                   : CalibrationStatus::kFactory;
     return;
   }
   const Mat3 H_f = mat(factory_.acc.matrix);
@@ -229,8 +267,11 @@ void OnlineCalibrator::publish_acc(double temp_degC) noexcept {
   const Mat9 C0 = acc_.prior_covariance_at(t);
   // Twice as good as the prior in the mean, even where it is worst.
   const bool known = worst_norm_variance(C).variance < 0.3 * mean_norm_variance(C0);
+  s_.acc_replaced = s_.acc_replaced && !known;
   out.status = known ? CalibrationStatus::kOk
-                     : (s_.acc_windows < 12 ? CalibrationStatus::kTooFewWindows : CalibrationStatus::kNotObservable);
+               : s_.acc_replaced
+                   ? CalibrationStatus::kReplaced
+                   : (s_.acc_windows < 12 ? CalibrationStatus::kTooFewWindows : CalibrationStatus::kNotObservable);
 }
 
 }  // namespace stillpoint::calib

@@ -71,6 +71,9 @@ class OnlineCalibrator {
     std::uint64_t snapshot_version = 0;
     std::int64_t t_ns = 0;
     std::uint32_t acc_windows = 0, gyr_windows = 0;
+    bool acc_replaced = false, gyr_replaced = false;  ///< until what is learnt anew is known again
+    std::uint8_t stuck = 0, clipped = 0;              ///< bits of SamplePart
+    std::array<CalibrationStatus, 3> sound{};         ///< status of acc, gyr, mag but for stuck and clipped
     std::uint32_t acc_rejected_run = 0, gyr_rejected_run = 0, widenings = 0, same_direction = 0;
     double temp_min_degC = 0.0, temp_max_degC = 0.0;
     bool temp_known = false;
@@ -111,6 +114,8 @@ class OnlineCalibrator {
  private:
   [[nodiscard]] double tau(double temp_degC, const TriadCalibration& factory) const noexcept;
   void predict(std::int64_t t_ns) noexcept;
+  bool learn(const Window& window) noexcept;
+  void name_faults() noexcept;
   bool absorb_acc(const Window& window) noexcept;
   bool absorb_gyr(const Window& window) noexcept;
   bool absorb_turn(const Window& window) noexcept;
@@ -128,6 +133,7 @@ class OnlineCalibrator {
   void learn_acc(const Vec3& x, const Window& window, double variance) noexcept;
   void publish_acc(double temp_degC) noexcept;
   void publish_gyr(double temp_degC) noexcept;
+  void accelerometer_replaced() noexcept;
   bool publish_gyr_matrix() noexcept;  ///< false: the turns give none
   void publish_mag() noexcept;
 

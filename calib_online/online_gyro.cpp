@@ -14,6 +14,7 @@ constexpr std::uint32_t kRunToWiden = 8;            // windows set aside in a ro
 constexpr double kStretch_s = 900.0;                // a turn is taken to last no longer
 constexpr double kStretchTemp_K = 4.0;              // beyond, one mean says too little of the slope
 constexpr double kSingle_radps = 0.1 * kRadPerDeg;  // a stretch of one window may be no rest at all; fades as 1/n
+constexpr double kKnownAgain = 0.25;                // of the prior's sd: a replaced sensor's bias is known again
 constexpr double kHuber = 2.0;                      // sd; beyond, a window counts less
 constexpr double kLongestTurn_rad = 15.0;           // beyond, what is not in the matrix outweighs it
 constexpr double kLeastTurn_rad = 0.2;              // smaller turns say nothing of the matrix
@@ -84,7 +85,11 @@ bool OnlineCalibrator::absorb_gyr(const Window& w) noexcept {
     s_.gyr_rejected_run = 0;
     commit_stretch();
     gyr_.widen(1.0);
-    return false;
+    s_.gyr_replaced = true;
+    s_.turns = {};
+    publish_gyr_matrix();
+    publish_gyr(w.temp_degC);
+    return true;
   }
   s_.gyr_rejected_run = 0;
   if (s_.stretch_windows == 0) {
@@ -148,7 +153,10 @@ void OnlineCalibrator::publish_gyr(double temp_degC) noexcept {
   out.bias_covariance = array(P);
   out.norm_sd = std::sqrt(P.trace() / 3.0);
   out.windows = s_.gyr_windows;
-  out.status = s_.gyr_windows > 0 ? CalibrationStatus::kOk : CalibrationStatus::kTooFewWindows;
+  s_.gyr_replaced = s_.gyr_replaced && out.norm_sd > kKnownAgain * params_.gyroscope.bias_sd_radps;
+  out.status = s_.gyr_replaced      ? CalibrationStatus::kReplaced
+               : s_.gyr_windows > 0 ? CalibrationStatus::kOk
+                                    : CalibrationStatus::kTooFewWindows;
 }
 
 }  // namespace stillpoint::calib

@@ -16,6 +16,7 @@ constexpr double kDriftSpreads = 2.0;          // of the spread that a window of
 constexpr double kSampleSd = 6.0;              // one sample in 1e8 by chance, an axis
 constexpr double kAnchorAngle_rad = 0.3;       // beyond, the chord of a turn is no longer its arc
 constexpr double kAnchorAge_s = 120.0;         // longer, and the drift of the sensors looks like a turn
+constexpr double kNoisy = 0.5;                 // sd over lattice; 200 equal readings in a row have no chance then
 constexpr double kScaleError = 0.005;          // of a gyro before its matrix is learnt
 constexpr double kGyrNoise_radps_rtHz = 2e-4;  // a consumer gyro's 0.01 deg/s/sqrt(Hz)
 
@@ -132,10 +133,12 @@ void RestDetector::add(const RawSample& sample, const CalibrationSnapshot& calib
   const Mat3 R_ref_body = chain_.q.toRotationMatrix();
   if (sample.holds(kAcc) && finite(sample.acc_mps2)) {
     add(kAccIndex, calibration.acc.apply(sample.acc_mps2, temp_degC), block, R_ref_body);
-    current_.clipped = current_.clipped || beyond(sample.acc_mps2, params_.acc_limit_mps2);
+    current_.triad[kAccIndex].clipped += beyond(sample.acc_mps2, params_.acc_limit_mps2);
   }
-  if (sample.holds(kGyr) && finite(sample.gyr_radps))
+  if (sample.holds(kGyr) && finite(sample.gyr_radps)) {
     add(kGyrIndex, calibration.gyr.apply(sample.gyr_radps, temp_degC), block, Mat3::Identity());
+    current_.triad[kGyrIndex].clipped += beyond(sample.gyr_radps, params_.gyr_limit_radps);
+  }
   if (sample.holds(kMag) && finite(sample.mag_uT))
     add(kMagIndex, calibration.mag.apply(sample.mag_uT, temp_degC), block, R_ref_body);
   if (sample.holds(kTemp) && std::isfinite(sample.temp_degC)) {
@@ -158,6 +161,8 @@ void RestDetector::add(int which, const Vec3& u, int block, const Mat3& R_ref_bo
   if (has_last_u_[w]) {
     const Vec3 step = u - last_u_[w];
     triad.step_sq += step.cwiseProduct(step);
+    for (const double d : {std::abs(step.x()), std::abs(step.y()), std::abs(step.z())})
+      if (d > 1e-12 && (triad.least_step == 0.0 || d < triad.least_step)) triad.least_step = d;
     ++triad.steps;
   }
   last_u_[w] = u;
@@ -174,16 +179,30 @@ std::optional<Window> RestDetector::evaluate(const CalibrationSnapshot& calibrat
     temp_count += q.temp_count;
   }
   if (temp_count > 0) e.temp_degC = temp_sum / temp_count;
+  judge_faults(e);
   const Refusal force = judge_force(e, calibration);
   if (force != Refusal::kNone) {
     last_refusal_ = force;
     anchor_.set = anchor_.set && force == Refusal::kTurning;
-    return std::nullopt;
+    return tell_faults(e);
   }
   const Refusal rate = judge_rate(e, calibration);
   last_refusal_ = rate;
   keep_anchor(e, rate);
   return make_window(e, rate, calibration);
+}
+
+/// A fault is told when it begins and when it ends, without waiting for the next rest.
+std::optional<Window> RestDetector::tell_faults(const Evidence& e) noexcept {
+  if (e.stuck == told_stuck_ && e.clipped == told_clipped_) return std::nullopt;
+  Window w;
+  w.t_start_ns = quarters_.front().t_first_ns;
+  w.t_end_ns = quarters_.back().t_last_ns;
+  w.refusal = last_refusal_;
+  w.temp_degC = e.temp_degC;
+  w.stuck = told_stuck_ = e.stuck;
+  w.clipped = told_clipped_ = e.clipped;
+  return w;
 }
 
 /// The anchor stays through a steady turn: it is what shows the turn. Sway starts anew.
@@ -217,6 +236,8 @@ Window RestDetector::make_window(const Evidence& e, Refusal rate, const Calibrat
   const std::array<std::uint8_t, 3> bits{kAcc, kGyr, kMag};
   for (std::size_t k = 0; k < 3; ++k) {
     if (e.triad[k].n == 0 || (k == kGyrIndex && rate != Refusal::kNone)) continue;
+    if (((e.stuck | e.clipped) & bits[k]) != 0) continue;
+    noisy_[k] = noisy_[k] || std::sqrt(e.triad[k].white_var) > kNoisy * e.triad[k].least_step;
     w.has = static_cast<std::uint8_t>(w.has | bits[k]);
     // Back to raw readings: the window must not depend on the calibration that was in force when it was seen.
     const Mat3 H_inv = mat(used[k]->matrix).inverse();
@@ -229,6 +250,8 @@ Window RestDetector::make_window(const Evidence& e, Refusal rate, const Calibrat
     if (q.temp_count > 0) w.has = static_cast<std::uint8_t>(w.has | kTemp);
   }
   w.turn_cov = array(e.turn_cov);
+  w.stuck = told_stuck_ = e.stuck;
+  w.clipped = told_clipped_ = e.clipped;
   hand_on_rotation(w, calibration);
   held_ = Held{};
   for (std::size_t k = 0; k < 2; ++k) {

@@ -84,7 +84,9 @@ class RestDetector {
     std::array<int, kBlocks> n{};
     Vec3 sum_sq = Vec3::Zero();   ///< of the de-rotated readings
     Vec3 step_sq = Vec3::Zero();  ///< of the differences of successive readings: white noise without slow parts
+    double least_step = 0.0;      ///< smallest difference but zero, on any axis: the lattice of the readings
     int steps = 0;
+    int clipped = 0;
     Triad() {
       block.fill(Vec3::Zero());
       block_ref.fill(Vec3::Zero());
@@ -104,7 +106,6 @@ class RestDetector {
     double temp_sum = 0.0;
     int temp_count = 0, samples = 0;
     std::int64_t t_first_ns = 0, t_last_ns = 0;
-    bool clipped = false;
     Chain chain;  ///< as it was at the quarter's first sample
   };
   /// What the four quarters say about one triad.
@@ -118,12 +119,15 @@ class RestDetector {
     double spread_sq = 0.0;        ///< sum of squares of the quarter means about their mean
     double spread_still_sq = 0.0;  ///< the same, de-rotated
     double spread_turn_sq = 0.0;   ///< the same, with the best steady turn removed
+    double least_step = 0.0;
+    int clipped = 0;
     bool constant = false;
   };
   struct Evidence {
     std::array<Summary, 3> triad;
     Mat3 turn_cov = Mat3::Zero();
     bool use_still = false;
+    std::uint8_t stuck = 0, clipped = 0;
     double temp_degC = 25.0;
   };
 
@@ -135,6 +139,8 @@ class RestDetector {
   void restart() noexcept;
   std::optional<Window> evaluate(const CalibrationSnapshot& calibration) noexcept;
   [[nodiscard]] Summary summarise(int which) const noexcept;
+  void judge_faults(Evidence& e) const noexcept;
+  std::optional<Window> tell_faults(const Evidence& e) noexcept;
   [[nodiscard]] Refusal judge_force(Evidence& e, const CalibrationSnapshot& calibration) const noexcept;
   [[nodiscard]] Refusal judge_rate(Evidence& e, const CalibrationSnapshot& calibration) noexcept;
   [[nodiscard]] bool turns(Evidence& e) noexcept;
@@ -174,6 +180,9 @@ class RestDetector {
   Vec3 seen_turn_ = Vec3::Zero();  ///< rad/s; the last steady turn that gravity or field showed, zero when it is over
   std::int64_t suspected_since_ns_ = 0;
   bool suspected_ = false;
+  /// Noisier at rest than its lattice: a reading that then does not change is no reading.
+  std::array<bool, 3> noisy_{};
+  std::uint8_t told_stuck_ = 0, told_clipped_ = 0;
   Refusal last_refusal_ = Refusal::kFilling;
 };
 

@@ -16,7 +16,7 @@ constexpr double kAccSlope_mps2 = 0.005;  // slow wander of the readings inside 
 constexpr double kSignificant = 5.0;      // sd; one test a window, a day has 4e4 of them
 constexpr double kSlowTurn_radps = 0.09;  // 5 deg/s: faster, and the lever arm of the sensor is felt
 constexpr double kTurnLast_s = 900.0;     // a turn that only the gyro shows and that lasts longer is a changed bias
-constexpr double kStillStuckTurn_rad = 0.17;
+constexpr double kClippedShare = 0.1;     // of a window; single clipped readings are shocks
 
 }  // namespace
 
@@ -72,6 +72,8 @@ RestDetector::Summary RestDetector::summarise(int which) const noexcept {
     step_sq += t.step_sq;
     steps += t.steps;
     s.n += n;
+    s.clipped += t.clipped;
+    if (t.least_step > 0.0 && (s.least_step == 0.0 || t.least_step < s.least_step)) s.least_step = t.least_step;
   }
   s.mean = total / s.n;
   const Vec3 mean_in_ref = total_ref / s.n;
@@ -109,14 +111,26 @@ RestDetector::Summary RestDetector::summarise(int which) const noexcept {
   return s;
 }
 
+/// A triad without noise is a coarse one at rest, or stuck: stuck when it was noisier than its lattice before, or when
+/// all that the sensor measures of motion stands still at once.
+void RestDetector::judge_faults(Evidence& e) const noexcept {
+  const std::array<std::uint8_t, 3> bits{kAcc, kGyr, kMag};
+  const bool both = e.triad[kAccIndex].constant && e.triad[kGyrIndex].constant;
+  for (std::size_t k = 0; k < 3; ++k) {
+    const Summary& s = e.triad[k];
+    if (s.n < kLeastSamples) continue;
+    if (s.constant && (noisy_[k] || (both && k != kMagIndex))) e.stuck = static_cast<std::uint8_t>(e.stuck | bits[k]);
+    if (s.clipped > kClippedShare * s.n) e.clipped = static_cast<std::uint8_t>(e.clipped | bits[k]);
+  }
+}
+
 Refusal RestDetector::judge_force(Evidence& e, const CalibrationSnapshot& calibration) const noexcept {
   const Summary& acc = e.triad[kAccIndex];
   const Summary& gyr = e.triad[kGyrIndex];
   if (acc.n == 0) return Refusal::kNoAccelerometer;
   if (acc.n < kLeastSamples) return Refusal::kFilling;
-  for (const auto& q : quarters_)
-    if (q.clipped) return Refusal::kClipped;
-  if (acc.constant && gyr.n > 0 && (gyr.constant || chain_.angle_rad > kStillStuckTurn_rad)) return Refusal::kStuck;
+  if (acc.clipped > 0) return Refusal::kClipped;
+  if ((e.stuck & kAcc) != 0) return Refusal::kStuck;
   if (acc.power > params_.vibration_mps2 * params_.vibration_mps2) return Refusal::kVibrating;
   if (gyr.n > 0 && gyr.power > params_.vibration_radps * params_.vibration_radps) return Refusal::kVibrating;
   // White noise alone gives the spread an expectation of 3 axes x 3 degrees of freedom x variance of a quarter mean.

@@ -105,8 +105,10 @@ class Stages {
   void find_window(const RawSample& sample, Link& link) noexcept {
     auto window = rest_.push(sample, live());
     if (!window) return;
-    compensate_.compensate(*window, live());
-    ++counts_.windows;
+    if (window->has != 0) {  // else it tells of a fault alone
+      compensate_.compensate(*window, live());
+      ++counts_.windows;
+    }
     if (!params_.learn) return;
     submit(*window, link);
   }

@@ -83,7 +83,7 @@ Outcome calibrate(const io::Recording& recording, calib::OnlineCalibrator& calib
     const double step_s = row > 0 ? recording.t_s(row) - recording.t_s(row - 1) : 0.0;
     run.refused_s[std::string(calib::name(detector.last_refusal()))] += step_s;
     if (!window) continue;
-    run.windows.push_back(*window);
+    if (window->has != 0) run.windows.push_back(*window);
     calibrator.absorb(*window);
   }
   run.learnt = calibrator.snapshot();
