@@ -286,6 +286,8 @@ void report_sensor(const Signals& s, const EngineResult& engine, Sensor sensor,
     const Eigen::Index count = static_cast<Eigen::Index>(f.columns.size());
     if (const auto e = to_effect(f, finished.values.segment(first_column(search, i), count), s.dt_s))
       effects.push_back(*e);
+    if (f.shape_name == kTrackerShape)
+      effects.push_back({.id = "sys_tracker", .parameters = {{"tau_s", {f.shape}}}, .axes = {}, .window_s = {}});
   }
   const std::string drift = std::string(kSensorName[sensor]) + "_drift";
   const bool known_drift = std::any_of(given.begin(), given.end(), [&](const auto& e) { return e.id == drift; });

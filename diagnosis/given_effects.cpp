@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
+#include "diagnosis/columns.h"
 #include "simulation/effect_catalogue.h"
 
 namespace stillpoint::diag {
@@ -10,6 +12,9 @@ namespace {
 
 constexpr double kPpm = 1e-6;
 constexpr double kEarthRate_radps = 7.292115e-5;
+constexpr double kNoLimit_uT = 1e5;
+constexpr std::array<const char*, kSensors> kLevelKey{"L_mps2", "L_radps", "L_uT"};
+constexpr std::array<const char*, kSensors> kLineKey{"b_mps2", "b_radps", "b_uT"};
 
 std::vector<double> list(const Eigen::VectorXd& v, Eigen::Index first, Eigen::Index count) {
   return {v.data() + first, v.data() + first + count};
@@ -47,25 +52,62 @@ std::vector<double> values_for(const Law& law, const sim::EffectConfig& e) {
   return law.coefficients.size() == second.size() ? second : std::vector<double>{};
 }
 
-bool subtract_linear(Signals& s, Sensor k, const sim::EffectConfig& e) {
-  bool done = false;
+bool acts_on(const sim::EffectConfig& e, int axis) {
+  return e.axes.empty() || std::find(e.axes.begin(), e.axes.end(), axis) != e.axes.end();
+}
+
+/// What a bias tracker on board lets through; the estimate itself follows every axis.
+Series3 let_through(const Signals& s, const sim::EffectConfig* tracker, Series3 delta) {
+  if (tracker == nullptr) return delta;
+  for (int axis = 0; axis < 3; ++axis)
+    if (acts_on(*tracker, axis))
+      delta.col(axis) = after_tracker(delta.col(axis), s.rest, s.dt_s, scalar(*tracker, "tau_s", 20.0));
+  return delta;
+}
+
+bool subtract_linear(Signals& s, Sensor k, const sim::EffectConfig& e, const sim::EffectConfig* tracker) {
+  const bool hidden = scalar(e, "hidden", 0.0) == 1.0;
   for (const Law& law : make_laws(s, k)) {
-    if (law.id != e.id || law.kind != Kind::kNamed || done) continue;
-    const std::vector<double> values = values_for(law, e);
-    if (values.empty()) continue;
-    if (e.id.find("temp_quad") != std::string::npos && law.coefficients.size() == 3 && e.parameters.size() > 1)
-      continue;
-    const Columns columns = in_window(law.columns(scalar(e, "tau_s", law.shapes.front())), window_of(e, s));
-    for (std::size_t j = 0; j < columns.size(); ++j) {
-      const Column& c = columns[j];
-      for (int axis = 0; axis < 3; ++axis) {
-        const bool acts = e.axes.empty() || std::find(e.axes.begin(), e.axes.end(), axis) != e.axes.end();
-        if (const auto shown = shown_in(c, axis); shown && acts) s.residual[k].col(axis) -= values[j] * *shown;
-      }
+    if (law.id != e.id || law.kind != Kind::kNamed) continue;
+    std::vector<double> values = hidden ? std::vector<double>{1.0} : values_for(law, e);
+    if (e.id == "mag_sat") {
+      const auto bend = e.parameters.find("k3_per_uT_2");
+      values = bend == e.parameters.end() ? std::vector<double>{} : bend->second;
     }
-    done = true;
+    if (values.size() != law.coefficients.size()) continue;
+    if (e.id.ends_with("temp_quad") && values.size() == 3 && e.parameters.size() > 1) continue;
+    const double shape = hidden ? scalar(e, kLevelKey[k], 0.0) : scalar(e, "tau_s", law.shapes.front());
+    const Columns columns = in_window(law.columns(shape), window_of(e, s));
+    Series3 delta = Series3::Zero(s.n, 3);
+    for (std::size_t j = 0; j < columns.size(); ++j)
+      for (int axis = 0; axis < 3; ++axis)
+        if (const auto shown = shown_in(columns[j], axis); shown && acts_on(e, axis))
+          delta.col(axis) += values[j] * *shown;
+    s.residual[k] -= let_through(s, k == kGyr ? tracker : nullptr, std::move(delta));
+    return true;
   }
-  return done;
+  return false;
+}
+
+/// Lines and flips: functions of time alone.
+bool subtract_line(Signals& s, Sensor k, const sim::EffectConfig& e) {
+  const bool coning = e.id == "gyr_coning", flip = e.id == "mag_flip";
+  if (!coning && !flip && !e.id.ends_with("_alias") && e.id != "mag_line") return false;
+  const double turn = 2.0 * std::numbers::pi * scalar(e, "f_hz", 0.0);
+  const std::vector<double>& size = e.parameters.at(coning ? "a_rad" : kLineKey[k]);
+  Series3 delta(s.n, 3);
+  for (Eigen::Index i = 0; i < s.n; ++i)
+    for (int axis = 0; axis < 3; ++axis) {
+      const double a = size[size.size() == 1 ? 0 : static_cast<std::size_t>(axis)], t = s.t_s[i];
+      const double own = coning ? e.parameters.at("p_rad")[static_cast<std::size_t>(axis)] : 0.0;
+      const double value = flip     ? (i % 2 == 0 ? a : -a)
+                           : coning ? a * turn * std::cos(turn * t + own)
+                                    : a * std::sin(turn * t + scalar(e, "phase_rad", 0.0));
+      delta(i, axis) = acts_on(e, axis) ? value : 0.0;
+    }
+  const Window w = window_of(e, s);
+  s.residual[k].middleRows(w.begin, w.end - w.begin) -= delta.middleRows(w.begin, w.end - w.begin);
+  return true;
 }
 
 bool subtract_earth(Signals& s, const sim::EffectConfig& e, double latitude_rad) {
@@ -117,15 +159,31 @@ std::optional<sim::EffectConfig> to_effect(const Found& found, const Eigen::Vect
     e.parameters = {{"scale", {values.norm() / kEarthRate_radps}}};
     return e;
   }
-  if (found.id == "mag_sat" || found.shape_name == kTrackerShape) return std::nullopt;
+  if (found.id == "mag_sat") {  // the bend alone: no reading has met a limit
+    e.parameters = {{"L_uT", std::vector<double>(3, kNoLimit_uT)}, {"k3_per_uT_2", list(values, 0, 3)}};
+    return e;
+  }
+  if (found.id == "gyr_coning") {
+    const double turn = 2.0 * std::numbers::pi * found.shape;
+    for (Eigen::Index i = 0; i < 3; ++i) {
+      e.parameters["a_rad"].push_back(std::hypot(values[i], values[i + 3]) / turn);
+      e.parameters["p_rad"].push_back(std::atan2(-values[i], values[i + 3]));
+    }
+    e.parameters["f_hz"] = {found.shape};
+    return e;
+  }
   Eigen::Index next = 0;
   if (values.size() == 6) {  // temp_quad with its linear part
     for (const auto& p : info->parameters) e.parameters[p.key] = list(values, p.required ? 3 : 0, 3);
     next = 6;
   }
   for (const auto& p : info->parameters) {
-    if (p.key == "t0_s")
+    if (const auto fixed = found.fixed.find(p.key); fixed != found.fixed.end())
+      e.parameters[p.key] = {fixed->second};
+    else if (p.key == "t0_s")
       e.parameters[p.key] = {begin};
+    else if (p.symbol == "L")
+      e.parameters[p.key] = std::vector<double>(3, found.shape);
     else if (p.key == found.shape_name + "_s" && !found.shape_name.empty())
       e.parameters[p.key] = {found.shape};
     else if (next + p.count <= values.size())
@@ -139,8 +197,10 @@ std::optional<sim::EffectConfig> to_effect(const Found& found, const Eigen::Vect
 
 std::vector<std::string> subtract_effects(Signals& s, const std::vector<sim::EffectConfig>& effects) {
   std::vector<std::string> unknown;
+  const auto at = std::find_if(effects.begin(), effects.end(), [](const auto& e) { return e.id == "sys_tracker"; });
+  const sim::EffectConfig* tracker = at == effects.end() ? nullptr : &*at;
   for (const sim::EffectConfig& e : effects) {
-    bool done = false;
+    bool done = e.id == "sys_tracker";
     for (const Sensor k : {kAcc, kGyr, kMag}) {
       if (!s.present[k] || s.residual[k].rows() == 0) continue;
       const bool mine = e.id.rfind(std::string(kSensorName[k]) + "_", 0) == 0, common = e.id.rfind("sys_", 0) == 0;
@@ -149,7 +209,7 @@ std::vector<std::string> subtract_effects(Signals& s, const std::vector<sim::Eff
         done = subtract_earth(s, e, s.latitude_rad) || done;
       else if (subtract_timing(s, k, e))
         done = true;
-      else if (mine && subtract_linear(s, k, e))
+      else if (mine && (subtract_line(s, k, e) || subtract_linear(s, k, e, tracker)))
         done = true;
     }
     if (!done) unknown.push_back(e.id);

@@ -119,8 +119,8 @@ std::optional<Found> line_in(const SensorSearch& search) {
   // A resonance or the motion itself is broad; a line is not.
   const Eigen::Index near = std::max<Eigen::Index>(at - 12, 0), far = std::min(at + 12, power.size() - 1);
   std::vector<double> around(power.data() + near, power.data() + far + 1);
-  std::nth_element(around.begin(), around.begin() + 12, around.end());
-  if (power[at] < 0.3 * kLeastOverMean * around[12]) return std::nullopt;
+  std::nth_element(around.begin(), around.begin() + static_cast<std::ptrdiff_t>(around.size() / 2), around.end());
+  if (power[at] < 0.3 * kLeastOverMean * around[around.size() / 2]) return std::nullopt;
   Found f;
   if (at >= power.size() - 2 && left.rows() % 2 == 0) {
     if (plain.sensor != kMag) return std::nullopt;

@@ -97,18 +97,20 @@ NoiseModel::NoiseModel(const Layout& layout, const Series3& leftover) : inverse_
 }
 
 Series NoiseModel::filter(const Layout& layout, const Series& x, int axis) const {
-  constexpr Eigen::Index kInCache = 512;
+  constexpr Eigen::Index kAtOnce = 8;  // so many sums stay in registers
   Series out = x;
   for (const Segment& g : layout.segments) {
     const Eigen::VectorXd& a = coefficients_[static_cast<std::size_t>(g.regime)][static_cast<std::size_t>(axis)];
-    for (Eigen::Index first = g.begin; first < g.end; first += kInCache) {
-      const Eigen::Index last = std::min(first + kInCache, g.end);
-      for (Eigen::Index j = 0; j < a.size(); ++j) {
-        const Eigen::Index begin = std::max(first, g.begin + j + 1);
-        if (begin >= last || begin - j - 1 < 0) continue;
-        out.segment(begin, last - begin) -= a[j] * x.segment(begin - j - 1, last - begin);
-      }
+    Eigen::Index i = g.begin;
+    for (; i < std::min(g.begin + a.size(), g.end); ++i)  // the memory does not reach before the segment
+      for (Eigen::Index j = 0; j < i - g.begin; ++j) out[i] -= a[j] * x[i - j - 1];
+    for (; i + kAtOnce <= g.end; i += kAtOnce) {
+      Eigen::Array<double, kAtOnce, 1> sum = x.segment<kAtOnce>(i);
+      for (Eigen::Index j = 0; j < a.size(); ++j) sum -= a[j] * x.segment<kAtOnce>(i - j - 1).array();
+      out.segment<kAtOnce>(i) = sum;
     }
+    for (; i < g.end; ++i)
+      for (Eigen::Index j = 0; j < a.size(); ++j) out[i] -= a[j] * x[i - j - 1];
   }
   return out;
 }

@@ -49,8 +49,8 @@ const std::vector<NamedConvention>& conventions() {
 class Comparison {
  public:
   Comparison(const io::Recording& r, const sim::SimulationConfig& config) : r_(r), config_(config) {
-    const double step_s = std::max(r.median_step_s(), 1e-6);
-    stencil_ = std::max<std::size_t>(1, static_cast<std::size_t>(std::lround(kPositionStencil_s / step_s)));
+    step_s_ = std::max(r.median_step_s(), 1e-6);
+    stencil_ = std::max<std::size_t>(1, static_cast<std::size_t>(std::lround(kPositionStencil_s / step_s_)));
     stride_ = std::max<std::size_t>(1, r.size() / 4000);
   }
 
@@ -88,7 +88,7 @@ class Comparison {
     measured = acc->matrix * (r_.acc_mps2[i] - acc->bias);
     Vec3 a_world = Vec3::Zero();
     if (!r_.ref_position_m.empty()) {
-      const double h = static_cast<double>(stencil_) * r_.median_step_s();
+      const double h = static_cast<double>(stencil_) * step_s_;
       a_world =
           (r_.ref_position_m[i + stencil_] - 2 * r_.ref_position_m[i] + r_.ref_position_m[i - stencil_]) / (h * h);
     }
@@ -140,6 +140,7 @@ class Comparison {
  private:
   const io::Recording& r_;
   const sim::SimulationConfig& config_;
+  double step_s_ = 0.0;
   std::size_t stencil_ = 1, stride_ = 1;
 };
 

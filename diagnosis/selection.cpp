@@ -28,9 +28,10 @@ constexpr double kWalkFreedom = 8.0;  // what three rates of a random walk and t
 
 double net_of(const Candidate& c) { return c.gain_nats - charge(static_cast<std::size_t>(c.coefficients), c.window); }
 
-std::vector<Candidate> look_at_all(const SensorSearch& search, const Scan& scan) {
+/// The first `count` laws: those of the catalogue come first.
+std::vector<Candidate> look_at(const SensorSearch& search, std::size_t count, const Scan& scan) {
   std::vector<Candidate> all;
-  for (std::size_t i = 0; i < search.laws.size() + search.unknown.size(); ++i) {
+  for (std::size_t i = 0; i < count; ++i) {
     const auto some = scan.look(search.law(i), i);
     all.insert(all.end(), some.begin(), some.end());
   }
@@ -108,11 +109,12 @@ void add_to(SensorSearch& search, Found found) {
 std::vector<Candidate> short_list(const SensorSearch& search, const Judge& judge, const NoiseModel& noise) {
   const Columns explained = search.explained();
   std::vector<Candidate> out;
-  const std::vector<Candidate> all = look_at_all(search, Scan(judge.without_walk(), explained, noise));
+  const std::vector<Candidate> all =
+      look_at(search, search.laws.size() + search.unknown.size(), Scan(judge.without_walk(), explained, noise));
   shorten(search, all, kShortNamed, kShortUnknown, out);
   if (judge.walking())
-    shorten(search, look_at_all(search, Scan(judge.beside_walk(), explained, noise)), kShortBesideWalk, kShortUnknown,
-            out);
+    shorten(search, look_at(search, search.laws.size(), Scan(judge.beside_walk(), explained, noise)), kShortBesideWalk,
+            0, out);
   // Whatever is local in time has to stand against a plain offset.
   const auto is_offset = [&](const Candidate& c) { return search.law(c.law).id == kPlainOffset; };
   const auto is_local = [](const Candidate& c) { return c.window.local; };
