@@ -23,7 +23,7 @@ struct NoSink {
 };
 struct NoObserver {
   void on_sample(const pipeline::Outgoing&) {}
-  void on_calibration(const pipeline::NumberedWindow&, const CalibrationSnapshot&) {}
+  void on_calibration(const pipeline::Evidence&, const CalibrationSnapshot&) {}
   void on_tick(const pipeline::SensorReport&, std::int64_t) {}
 };
 
