@@ -40,8 +40,8 @@ struct Window {
   Refusal refusal = Refusal::kNone;  ///< kNone: rest. kSwaying, kTurning: the specific force holds, the rate does not
   std::uint8_t stuck = 0, clipped = 0;  ///< bits of SamplePart: triads that do not change, or sit at their limit. A
                                         ///< window that holds nothing else (has = 0) tells that this has changed
-  bool rotation_valid = false;  ///< the gyroscope saw the whole way from the previous window
-  bool moved = true;            ///< the body was really moved since the previous window, not only refused
+  bool rotation_valid = false;          ///< the gyroscope saw the whole way from the previous window
+  bool moved = true;                    ///< the body was really moved since the previous window, not only refused
   Array3 acc_mps2{}, gyr_radps{}, mag_uT{};
   Array9 acc_cov{}, gyr_cov{}, mag_cov{};  ///< of the means, from inside the window, squares of those units
   Array9 turn_cov{};  ///< (rad/s)^2, body: steady turning that gravity and the field cannot exclude. It is one unknown

@@ -22,14 +22,14 @@ if(STILLPOINT_SANITIZE)
   add_link_options(-fsanitize=${STILLPOINT_SANITIZE})
 endif()
 
-# stillpoint_library(core DEPS ...): every .cpp of the calling folder; header-only folders become INTERFACE libraries.
+# stillpoint_library(core DEPS ...): every .cpp of the calling folder and below; header-only folders become INTERFACE libraries.
 # FILES pattern takes only those files, EXCEPT regex leaves some out: io/ holds two libraries, one of them without DDS.
 function(stillpoint_library name)
   cmake_parse_arguments(ARG "" "FILES;EXCEPT" "DEPS" ${ARGN})
   if(NOT ARG_FILES)
     set(ARG_FILES *.cpp)
   endif()
-  file(GLOB sources CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/${ARG_FILES})
+  file(GLOB_RECURSE sources CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/${ARG_FILES})
   if(ARG_EXCEPT)
     list(FILTER sources EXCLUDE REGEX ${ARG_EXCEPT})
   endif()

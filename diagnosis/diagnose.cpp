@@ -6,11 +6,11 @@
 #include <cmath>
 
 #include "diagnosis/finding_effect.h"
-#include "diagnosis/findings.h"
-#include "diagnosis/forensics.h"
-#include "diagnosis/given_effects.h"
-#include "diagnosis/no_reference.h"
-#include "diagnosis/sanity.h"
+#include "diagnosis/forensics/forensics.h"
+#include "diagnosis/no_reference/no_reference.h"
+#include "diagnosis/reference/findings.h"
+#include "diagnosis/reference/given_effects.h"
+#include "diagnosis/sanity/sanity.h"
 #include "diagnosis/summary.h"
 
 namespace stillpoint::diag {

@@ -6,7 +6,7 @@
 
 #include "apps/stillpoint/commands.h"
 #include "diagnosis/diagnose.h"
-#include "diagnosis/report.h"
+#include "diagnosis/report/report.h"
 #include "diagnosis/summary.h"
 #include "io/config.h"
 #include "io/recording.h"

@@ -12,9 +12,9 @@
 
 #include "apps/stillpoint/child_process.h"
 #include "apps/stillpoint/commands.h"
-#include "diagnosis/prove.h"
-#include "diagnosis/prove_sha256.h"
-#include "diagnosis/report_svg.h"
+#include "diagnosis/prove/prove.h"
+#include "diagnosis/prove/sha256.h"
+#include "diagnosis/report/svg.h"
 #include "io/simulation_yaml.h"
 
 namespace stillpoint::app {

@@ -4,8 +4,8 @@
 
 #include <cmath>
 
-#include "diagnosis/evidence.h"
-#include "diagnosis/response.h"
+#include "diagnosis/reference/evidence.h"
+#include "diagnosis/reference/response.h"
 #include "diagnosis/summary.h"
 #include "tests/diagnosis/simulated.h"
 

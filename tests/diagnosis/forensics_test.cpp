@@ -1,5 +1,5 @@
 /// Faults of raw values on a plain synthetic hand motion, and on the recordings where what is there is known.
-#include "diagnosis/forensics.h"
+#include "diagnosis/forensics/forensics.h"
 
 #include <gtest/gtest.h>
 

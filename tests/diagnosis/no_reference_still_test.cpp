@@ -1,5 +1,5 @@
 /// A recording that lies still in a chamber: temperature laws and their loop against drift and noise.
-#include "diagnosis/no_reference_still.h"
+#include "diagnosis/no_reference/still.h"
 
 #include <gtest/gtest.h>
 

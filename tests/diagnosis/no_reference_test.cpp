@@ -1,5 +1,5 @@
 /// Diagnosis without a reference, on simulated hand motion with rests: what is put in must come out by name and size.
-#include "diagnosis/no_reference.h"
+#include "diagnosis/no_reference/no_reference.h"
 
 #include <gtest/gtest.h>
 

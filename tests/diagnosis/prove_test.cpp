@@ -1,9 +1,9 @@
 /// The referee must be right before the player is judged.
-#include "diagnosis/prove.h"
+#include "diagnosis/prove/prove.h"
 
 #include <gmock/gmock.h>
 
-#include "diagnosis/prove_sha256.h"
+#include "diagnosis/prove/sha256.h"
 
 namespace stillpoint::diag {
 namespace {

@@ -1,5 +1,5 @@
 /// The report must stand alone, say what the diagnosis says, and survive whatever text it is given.
-#include "diagnosis/report.h"
+#include "diagnosis/report/report.h"
 
 #include <gmock/gmock.h>
 

@@ -1,5 +1,5 @@
 /// Each mistake is made on a recording that is right, and must be named; the right one must pass in silence.
-#include "diagnosis/sanity.h"
+#include "diagnosis/sanity/sanity.h"
 
 #include <gmock/gmock.h>
 

@@ -1,5 +1,5 @@
 /// What becomes of samples that are no measurements, and of a reference that was lost for a while.
-#include "diagnosis/signals.h"
+#include "diagnosis/reference/signals.h"
 
 #include <gtest/gtest.h>
 

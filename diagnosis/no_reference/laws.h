@@ -1,0 +1,30 @@
+/// The laws of docs/physics.md that gyroscope, magnetometer and rest windows can witness without a reference.
+#pragma once
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "diagnosis/no_reference/model.h"
+
+namespace stillpoint::diag::detail {
+
+/// A law with its columns; a nonlinear parameter (time constant, step time) is searched on a grid.
+struct WitnessedLaw {
+  std::string id, equation, driver;
+  Sensor sensor = kGyr;
+  std::vector<std::string> names;  ///< of the coefficients, in the order of the columns
+  std::string unit;
+  std::string grid_name, grid_unit;  ///< empty: linear
+  std::vector<double> grid;
+  std::function<std::vector<LawColumn>(double)> columns;
+};
+
+/// Those whose drivers the recording holds. The functions refer to `model`, which must outlive them.
+[[nodiscard]] std::vector<WitnessedLaw> witnessed_laws(const SelfConsistency& model,
+                                                       const sim::SimulationConfig& simulation);
+
+/// An offset of its own in every rest: what no slow law can exceed. Names a drift where nothing else reaches it.
+[[nodiscard]] std::vector<LawColumn> free_offsets(const SelfConsistency& model, Sensor sensor);
+
+}  // namespace stillpoint::diag::detail

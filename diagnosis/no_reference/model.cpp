@@ -1,0 +1,294 @@
+#include "diagnosis/no_reference/model.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/so3.h"
+
+namespace stillpoint::diag::detail {
+namespace {
+
+constexpr std::size_t kMostMagRows = 9000;
+constexpr double kRestCell_s = 0.5;
+constexpr int kArOrder = 6;
+constexpr double kIntegration_rad = 1e-3;  // per bout: what sampling at the recording's rate loses
+// How far the simulation's calibration may be off (matrix entries; offsets in the sensor's unit).
+constexpr double kMatrixPrior = 0.05, kGyroOffsetPrior = 0.05, kAccOffsetPrior = 0.5, kMagOffsetPrior = 10.0,
+                 kFieldPrior_uT = 8.0, kAttitudePrior_rad = 0.5;
+
+// Layout of the nuisances: three blocks of 9 + 3 (gyr, acc, mag), the field, then three per knot.
+constexpr long kGyroAt = 0, kAccAt = 12, kMagAt = 24, kFieldAt = 36, kKnotsAt = 39;
+
+Vec3 corrected(const Eigen::VectorXd& x, long at, const Vec3& u) {
+  Vec3 d = x.segment<3>(at + 9);
+  for (int i = 0; i < 3; ++i) d[i] += x.segment<3>(at + 3 * i).dot(u);
+  return u - d;
+}
+
+std::vector<Vec3> integral(const std::vector<Vec3>& v, const std::vector<Mat3>& R, const io::Recording& r) {
+  std::vector<Vec3> sum(v.size(), Vec3::Zero());
+  for (std::size_t i = 1; i < v.size(); ++i)
+    sum[i] = sum[i - 1] + 0.5 * (r.t_s(i) - r.t_s(i - 1)) * (R[i - 1] * v[i - 1] + R[i] * v[i]);
+  return sum;
+}
+
+}  // namespace
+
+SelfConsistency::SelfConsistency(const io::Recording& recording, const sim::SimulationConfig& simulation,
+                                 const Forensics& raw, std::vector<RestWindow> rest)
+    : recording_(recording), simulation_(simulation), rest_(std::move(rest)), field_world_(simulation.field_world_uT) {
+  const std::size_t n = recording.size();
+  const bool has_mag = simulation.magnetometer && !recording.mag_uT.empty();
+  const std::size_t stride = std::max<std::size_t>(1, n / kMostMagRows);
+  for (std::size_t i = 0; has_mag && i < n; i += stride)
+    if (recording.mag_uT[i].allFinite() && !raw.muted(kMag, i)) mag_rows_.push_back(i);
+  const auto cell =
+      std::max<std::size_t>(2, static_cast<std::size_t>(std::lround(kRestCell_s / recording.median_step_s())));
+  for (const auto& w : rest_) {
+    knots_.push_back(knots_.empty() ? 0 : w.first);
+    for (std::size_t i = w.first; i + cell <= w.last + 1; i += cell) cells_.push_back({i, i + cell - 1});
+  }
+  if (knots_.empty()) knots_.push_back(0);
+  first_attitude_ = first_attitude();
+  x_ = Eigen::VectorXd::Zero(kKnotsAt + 3 * static_cast<long>(knots_.size()));
+  prior_sd_ = Eigen::VectorXd::Constant(x_.size(), kMatrixPrior);
+  prior_sd_.segment<3>(kGyroAt + 9).setConstant(kGyroOffsetPrior);
+  prior_sd_.segment<3>(kAccAt + 9).setConstant(kAccOffsetPrior);
+  prior_sd_.segment<3>(kMagAt + 9).setConstant(kMagOffsetPrior);
+  prior_sd_.segment<3>(kFieldAt).setConstant(kFieldPrior_uT);
+  prior_sd_.segment<3>(kKnotsAt).setConstant(kAttitudePrior_rad);
+  const double walk = simulation.gyroscope->noise_sd * std::sqrt(recording.median_step_s());
+  for (std::size_t k = 1; k < knots_.size(); ++k) {
+    const double span_s = recording.t_s(knots_[k]) - recording.t_s(knots_[k - 1]);
+    prior_sd_.segment<3>(kKnotsAt + 3 * static_cast<long>(k))
+        .setConstant(kIntegration_rad + 2.0 * walk * std::sqrt(span_s));
+  }
+}
+
+/// Up from the first rest, heading from its field. Found once: it is the datum of the attitude knots.
+Quat SelfConsistency::first_attitude() const {
+  const auto& first = rest_.front();
+  Vec3 up = Vec3::Zero(), field = Vec3::Zero();
+  const auto& acc = *simulation_.accelerometer;
+  for (std::size_t i = first.first; i <= first.last; ++i) {
+    if (recording_.acc_mps2[i].allFinite()) up += acc.matrix * (recording_.acc_mps2[i] - acc.bias);
+    if (!mag_rows_.empty() && recording_.mag_uT[i].allFinite())
+      field += simulation_.magnetometer->matrix * (recording_.mag_uT[i] - simulation_.magnetometer->bias);
+  }
+  up.normalize();
+  Mat3 body, world;
+  Vec3 across = up.cross(field), across_world = Vec3::UnitZ().cross(field_world_);
+  if (across.norm() < 1e-6 || across_world.norm() < 1e-6) across = up.unitOrthogonal(), across_world = Vec3::UnitX();
+  body << up, across.normalized(), up.cross(across.normalized());
+  world << Vec3::UnitZ(), across_world.normalized(), Vec3::UnitZ().cross(across_world.normalized());
+  return Quat(world * body.transpose());
+}
+
+/// Rates, forces and attitude of every row from the nuisances as they stand.
+void SelfConsistency::integrate() {
+  const auto& first = rest_.front();
+  const auto n = recording_.size();
+  const auto &gyro = *simulation_.gyroscope, &acc = *simulation_.accelerometer;
+  rate_.assign(n, Vec3::Zero()), force_.assign(n, Vec3::Zero()), R_.resize(n);
+  for (std::size_t i = 0; i < n; ++i) {
+    if (recording_.gyr_radps[i].allFinite())
+      rate_[i] = corrected(x_, kGyroAt, gyro.matrix * (recording_.gyr_radps[i] - gyro.bias));
+    else if (i > 0)
+      rate_[i] = rate_[i - 1];
+    if (!applied_[kGyr].empty()) rate_[i] -= applied_[kGyr][i];
+    if (recording_.acc_mps2[i].allFinite())
+      force_[i] = corrected(x_, kAccAt, acc.matrix * (recording_.acc_mps2[i] - acc.bias));
+    else if (i > 0)
+      force_[i] = force_[i - 1];
+  }
+  // Integrated forwards from the middle of the first rest; before it the body is taken to be where it is then.
+  Quat q = first_attitude_;
+  std::size_t knot = 0;
+  for (std::size_t i = 0; i < n; ++i) {
+    if (i > first.first) {
+      const double dt = recording_.t_s(i) - recording_.t_s(i - 1);
+      const Vec3 &w0 = rate_[i - 1], &w1 = rate_[i];
+      // Third-order in the rates of the neighbours, with the coning term of two straight pieces.
+      const Vec3 bend = i >= 2 && i + 1 < n ? (w0 + w1 - rate_[i - 2] - rate_[i + 1]).eval() : Vec3::Zero().eval();
+      q = (q * exp_quat(dt * (0.5 * (w0 + w1) + bend / 24.0) + dt * dt / 12.0 * w0.cross(w1))).normalized();
+    }
+    for (; knot < knots_.size() && knots_[knot] == i; ++knot)
+      q = (exp_quat(x_.segment<3>(kKnotsAt + 3 * static_cast<long>(knot))) * q).normalized();
+    R_[i] = q.toRotationMatrix();
+  }
+}
+
+void SelfConsistency::predict() {
+  const Vec3 m_w = field_world_ + x_.segment<3>(kFieldAt);
+  mag_.assign(recording_.size(), Vec3::Zero()), field_.resize(recording_.size());
+  for (std::size_t i = 0; i < recording_.size(); ++i) field_[i] = R_[i].transpose() * m_w;
+  for (const std::size_t i : mag_rows_) {
+    mag_[i] = corrected(x_, kMagAt,
+                        simulation_.magnetometer->matrix * (recording_.mag_uT[i] - simulation_.magnetometer->bias));
+    if (!applied_[kMag].empty()) mag_[i] -= applied_[kMag][i];
+  }
+}
+
+Vec3 SelfConsistency::cell_mean(const std::vector<Vec3>& v, const Cell& cell) const {
+  Vec3 sum = Vec3::Zero();
+  for (std::size_t i = cell.first; i <= cell.last; ++i) sum += v[i];
+  return sum / static_cast<double>(cell.last - cell.first + 1);
+}
+
+/// Noise from within the rests only, where no law and no misfit of the attitude can enter it: an autoregressive model
+/// of the field, and the scatter of the cell means about their window's mean.
+void SelfConsistency::find_noise() {
+  std::array<Eigen::VectorXd, 3> covariance;
+  Vec3 count = Vec3::Zero();
+  for (auto& c : covariance) c = Eigen::VectorXd::Zero(kArOrder + 1);
+  for (const auto& w : rest_) {
+    std::vector<Vec3> v;
+    for (const std::size_t i : mag_rows_)
+      if (i >= w.first && i <= w.last) v.push_back(mag_[i]);
+    if (v.size() < 3 * kArOrder) continue;
+    Vec3 mean = Vec3::Zero();
+    for (const auto& m : v) mean += m / static_cast<double>(v.size());
+    for (std::size_t i = 0; i < v.size(); ++i)
+      for (std::size_t lag = 0; lag <= std::min<std::size_t>(kArOrder, i); ++lag)
+        for (int k = 0; k < 3; ++k)
+          covariance[static_cast<std::size_t>(k)][static_cast<long>(lag)] += (v[i] - mean)[k] * (v[i - lag] - mean)[k];
+    count += Vec3::Constant(static_cast<double>(v.size() - 1));
+  }
+  for (int k = 0; k < 3; ++k) {
+    auto& ar = mag_ar_[static_cast<std::size_t>(k)];
+    ar = Eigen::VectorXd::Zero(kArOrder);
+    mag_sd_[k] = simulation_.magnetometer ? std::max(simulation_.magnetometer->noise_sd, 1e-9) : 1.0;
+    if (count[k] < 20 * kArOrder) continue;
+    const Eigen::VectorXd c = covariance[static_cast<std::size_t>(k)] / count[k];
+    Eigen::MatrixXd toeplitz(kArOrder, kArOrder);
+    for (int i = 0; i < kArOrder; ++i)
+      for (int j = 0; j < kArOrder; ++j) toeplitz(i, j) = c[std::abs(i - j)] + (i == j ? 1e-6 * c[0] : 0.0);
+    ar = toeplitz.ldlt().solve(c.tail(kArOrder));
+    mag_sd_[k] = std::sqrt(std::max(c[0] - ar.dot(c.tail(kArOrder)), 1e-6 * c[0] + 1e-18));
+  }
+  Vec3 force2 = Vec3::Zero(), rate2 = Vec3::Zero();
+  double freedom = 0;
+  for (const auto& w : rest_) {
+    std::vector<Vec3> f, g;
+    for (const auto& c : cells_)
+      if (c.first >= w.first && c.last <= w.last) f.push_back(cell_mean(force_, c)), g.push_back(cell_mean(rate_, c));
+    for (std::size_t i = 1; i < f.size(); ++i) {
+      force2 += 0.5 * (f[i] - f[i - 1]).cwiseAbs2(), rate2 += 0.5 * (g[i] - g[i - 1]).cwiseAbs2();
+      freedom += 1;
+    }
+  }
+  if (freedom < 3) return;
+  force_sd_ = (force2 / freedom).cwiseSqrt().array() + 1e-9;
+  rate_sd_ = (rate2 / freedom).cwiseSqrt().array() + 1e-12;
+}
+
+Eigen::VectorXd SelfConsistency::residual() const {
+  const auto nm = static_cast<long>(mag_rows_.size()), nc = static_cast<long>(cells_.size());
+  Eigen::VectorXd r(3 * nm + 6 * nc);
+  for (long i = 0; i < nm; ++i) {
+    const auto row = mag_rows_[static_cast<std::size_t>(i)];
+    for (int k = 0; k < 3; ++k) r[k * nm + i] = mag_[row][k] - field_[row][k];
+  }
+  for (long c = 0; c < nc; ++c) {
+    const auto& cell = cells_[static_cast<std::size_t>(c)];
+    const Vec3 up = R_[(cell.first + cell.last) / 2].transpose() * Vec3(0, 0, simulation_.gravity_mps2);
+    const Vec3 f = cell_mean(force_, cell) - up, w = cell_mean(rate_, cell);
+    for (int k = 0; k < 3; ++k) r[3 * nm + k * nc + c] = f[k], r[3 * nm + (3 + k) * nc + c] = w[k];
+  }
+  return r;
+}
+
+void SelfConsistency::attitude_column(const std::vector<Vec3>& eps_world, Eigen::Ref<Eigen::VectorXd> out) const {
+  const auto nm = static_cast<long>(mag_rows_.size()), nc = static_cast<long>(cells_.size());
+  const Vec3 m_w = field_world_ + x_.segment<3>(kFieldAt), up(0, 0, simulation_.gravity_mps2);
+  for (long i = 0; i < nm; ++i) {
+    const auto row = mag_rows_[static_cast<std::size_t>(i)];
+    const Vec3 d = R_[row].transpose() * m_w.cross(eps_world[row]);
+    for (int k = 0; k < 3; ++k) out[k * nm + i] += d[k];
+  }
+  for (long c = 0; c < nc; ++c) {
+    const auto& cell = cells_[static_cast<std::size_t>(c)];
+    const auto row = (cell.first + cell.last) / 2;
+    const Vec3 d = R_[row].transpose() * up.cross(eps_world[row]);
+    for (int k = 0; k < 3; ++k) out[3 * nm + k * nc + c] += d[k];
+  }
+}
+
+void SelfConsistency::sensor_column(Sensor sensor, const std::vector<Vec3>& unit,
+                                    Eigen::Ref<Eigen::VectorXd> out) const {
+  const auto nm = static_cast<long>(mag_rows_.size()), nc = static_cast<long>(cells_.size());
+  if (sensor == kMag) {
+    for (long i = 0; i < nm; ++i)
+      for (int k = 0; k < 3; ++k) out[k * nm + i] += unit[mag_rows_[static_cast<std::size_t>(i)]][k];
+    return;
+  }
+  const long at = 3 * nm + (sensor == kGyr ? 3 * nc : 0);
+  for (long c = 0; c < nc; ++c) {
+    const Vec3 mean = cell_mean(unit, cells_[static_cast<std::size_t>(c)]);
+    for (int k = 0; k < 3; ++k) out[at + k * nc + c] += mean[k];
+  }
+  if (sensor != kGyr) return;
+  auto eps = integral(unit, R_, recording_);
+  // A rate error before the first rest turns nothing that is compared: the attitude starts there.
+  const Vec3 start = eps[rest_.front().first];
+  for (std::size_t i = 0; i < eps.size(); ++i)
+    eps[i] = i < rest_.front().first ? Vec3::Zero().eval() : (start - eps[i]).eval();
+  attitude_column(eps, out);
+}
+
+Eigen::MatrixXd SelfConsistency::columns(const std::vector<LawColumn>& law) const {
+  const auto rows = static_cast<long>(3 * mag_rows_.size() + 6 * cells_.size());
+  Eigen::MatrixXd m = Eigen::MatrixXd::Zero(rows, static_cast<long>(law.size()));
+  for (std::size_t j = 0; j < law.size(); ++j) sensor_column(law[j].sensor, law[j].unit, m.col(static_cast<long>(j)));
+  return m;
+}
+
+Eigen::MatrixXd SelfConsistency::whitened(const std::vector<LawColumn>& law) const {
+  Eigen::MatrixXd m = columns(law);
+  whiten(m);
+  return m;
+}
+
+Eigen::MatrixXd SelfConsistency::nuisance_columns() const {
+  const std::size_t n = recording_.size();
+  const auto rows = static_cast<long>(3 * mag_rows_.size() + 6 * cells_.size());
+  Eigen::MatrixXd m = Eigen::MatrixXd::Zero(rows, x_.size());
+  const std::array<std::pair<Sensor, long>, 3> blocks{{{kGyr, kGyroAt}, {kAcc, kAccAt}, {kMag, kMagAt}}};
+  std::vector<Vec3> unit(n);
+  for (const auto& [sensor, at] : blocks) {
+    const auto& u = sensor == kGyr ? rate_ : sensor == kAcc ? force_ : field_;
+    for (int i = 0; i < 3; ++i) {
+      for (int j = 0; j < 4; ++j) {
+        for (std::size_t r = 0; r < n; ++r) unit[r] = Vec3::Unit(i) * (j < 3 ? u[r][j] : 1.0);
+        sensor_column(sensor, unit, m.col(j < 3 ? at + 3 * i + j : at + 9 + i));
+      }
+    }
+  }
+  for (int j = 0; j < 3; ++j) {
+    for (std::size_t r = 0; r < n; ++r) unit[r] = R_[r].row(j).transpose();
+    sensor_column(kMag, unit, m.col(kFieldAt + j));
+    for (std::size_t k = 0; k < knots_.size(); ++k) {
+      for (std::size_t r = 0; r < n; ++r) unit[r] = (r >= knots_[k] ? 1.0 : 0.0) * Vec3::Unit(j);
+      attitude_column(unit, m.col(kKnotsAt + 3 * static_cast<long>(k) + j));
+    }
+  }
+  return m;
+}
+
+void SelfConsistency::whiten(Eigen::Ref<Eigen::MatrixXd> m) const {
+  const auto nm = static_cast<long>(mag_rows_.size()), nc = static_cast<long>(cells_.size());
+  for (long c = 0; c < m.cols(); ++c) {
+    for (int k = 0; k < 3; ++k) {
+      const auto& ar = mag_ar_[static_cast<std::size_t>(k)];
+      for (long i = nm - 1; i >= 0; --i) {  // backwards, so that the earlier values are still the unfiltered ones
+        double v = m(k * nm + i, c);
+        for (long lag = 1; lag <= std::min<long>(ar.size(), i); ++lag) v -= ar[lag - 1] * m(k * nm + i - lag, c);
+        m(k * nm + i, c) = v / mag_sd_[k];
+      }
+      m.col(c).segment(3 * nm + k * nc, nc) /= force_sd_[k];
+      m.col(c).segment(3 * nm + (3 + k) * nc, nc) /= rate_sd_[k];
+    }
+  }
+}
+
+}  // namespace stillpoint::diag::detail

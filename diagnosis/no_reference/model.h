@@ -1,0 +1,124 @@
+/// The self-consistency of gyroscope, magnetometer and rest windows as one linear model around an attitude integrated
+/// from the gyro. Rows: the field at (thinned) samples, specific force and rate in cells of rest. Columns: the
+/// nuisances (calibration of the three sensors, field, attitude at the rests), and whatever law is put beside them.
+/// With R = exp([eps]x) R_hat and a rate error D: eps(t) = -int R_hat D dt, and the field error is R_hat^T (m_w x eps).
+#pragma once
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <array>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "diagnosis/forensics/forensics.h"
+#include "io/recording.h"
+#include "simulation/config.h"
+
+namespace stillpoint::diag::detail {
+
+struct RestWindow {
+  std::size_t first = 0, last = 0;  ///< rows, inclusive
+};
+
+/// Windows of at least a second in which nothing turns and nothing shakes.
+[[nodiscard]] std::vector<RestWindow> find_rest(const io::Recording& recording,
+                                                const sim::SimulationConfig& simulation);
+
+/// One coefficient of a law: its unit contribution to one sensor at every row of the recording, sensor frame.
+struct LawColumn {
+  Sensor sensor = kGyr;
+  std::vector<Vec3> unit;
+};
+
+struct LawFit {
+  double gain_nats = 0.0;  ///< likelihood gain over the nuisances alone, reduced by the overdispersion that remains
+  Eigen::VectorXd value, sd;
+};
+
+struct HeldOutGain {
+  double nats = 0.0;
+  int blocks_better = 0, blocks = 0;
+};
+
+class SelfConsistency {
+ public:
+  SelfConsistency(const io::Recording& recording, const sim::SimulationConfig& simulation, const Forensics& raw,
+                  std::vector<RestWindow> rest);
+
+  /// Settles the nuisances (three Gauss-Newton passes). Call once, before fit().
+  void settle();
+  /// `applied` is what of the law replace() has already taken out; the fit is of the whole.
+  [[nodiscard]] LawFit fit(const std::vector<LawColumn>& law, const Eigen::VectorXd& applied = {}) const;
+  /// Fits the law on every other block of 10 s and scores it on the rest, both ways round; the nuisances, which the
+  /// blocks do not share, are fitted wherever they are needed.
+  [[nodiscard]] HeldOutGain held_out(const std::vector<LawColumn>& law, const Eigen::VectorXd& applied) const;
+  /// Takes a law out of the gyro's rates or the field's readings in place of what was taken before (puts `before`
+  /// back), and settles again around the attitude that follows.
+  void replace(const std::vector<LawColumn>& before, const Eigen::VectorXd& before_value,
+               const std::vector<LawColumn>& law, const Eigen::VectorXd& value);
+  /// Takes a fitted law into the nuisances, so that the next one is sought beside it.
+  void accept(const std::vector<LawColumn>& law);
+
+  /// Residual of the sensor's rows (field or rate at rest) and what `law` predicts of it, for rms and figures.
+  struct Series {
+    std::vector<double> t_s;
+    std::vector<Vec3> residual, explained;
+  };
+  [[nodiscard]] Series series(Sensor sensor, const std::vector<LawColumn>& law, const Eigen::VectorXd& applied) const;
+
+  [[nodiscard]] const io::Recording& recording() const { return recording_; }
+  [[nodiscard]] const std::vector<RestWindow>& rest() const { return rest_; }
+  [[nodiscard]] const std::vector<Vec3>& rate_radps() const { return rate_; }   ///< corrected, every row
+  [[nodiscard]] const std::vector<Vec3>& force_mps2() const { return force_; }  ///< corrected, every row
+  [[nodiscard]] const std::vector<Vec3>& field_uT() const { return field_; }    ///< predicted in the body, every row
+  [[nodiscard]] const std::vector<Mat3>& R_world_body() const { return R_; }
+  [[nodiscard]] std::size_t observations() const { return static_cast<std::size_t>(y_.size()); }
+  /// Root mean square of the whitened rest readings of the accelerometer: 1 where only noise is left.
+  [[nodiscard]] double force_misfit() const;
+  /// Mean square of all whitened residuals: 1 where gyro, field and rests agree within their noise.
+  [[nodiscard]] double dispersion() const {
+    return y_.squaredNorm() / static_cast<double>(std::max<long>(y_.size(), 1));
+  }
+
+ private:
+  struct Cell {
+    std::size_t first, last;  ///< rows, inclusive
+  };
+  void take_out(const std::vector<LawColumn>& law, const Eigen::VectorXd& value);
+  [[nodiscard]] Quat first_attitude() const;
+  void integrate();
+  void predict();
+  void find_noise();
+  [[nodiscard]] Eigen::MatrixXd columns(const std::vector<LawColumn>& law) const;  ///< not yet whitened
+  [[nodiscard]] Eigen::MatrixXd whitened(const std::vector<LawColumn>& law) const;
+  [[nodiscard]] Eigen::MatrixXd nuisance_columns() const;  ///< not yet whitened
+  void add_nuisances(const Eigen::MatrixXd& whitened_columns);
+  [[nodiscard]] Eigen::VectorXd residual() const;
+  void attitude_column(const std::vector<Vec3>& eps_world, Eigen::Ref<Eigen::VectorXd> out) const;
+  void sensor_column(Sensor sensor, const std::vector<Vec3>& unit, Eigen::Ref<Eigen::VectorXd> out) const;
+  void whiten(Eigen::Ref<Eigen::MatrixXd> m) const;
+  [[nodiscard]] Vec3 cell_mean(const std::vector<Vec3>& v, const Cell& cell) const;
+
+  const io::Recording& recording_;
+  const sim::SimulationConfig& simulation_;
+  std::vector<RestWindow> rest_;
+  std::vector<Cell> cells_;
+  std::vector<std::size_t> mag_rows_;
+  std::vector<std::size_t> knots_;  ///< rows at which the attitude may be put right: the first row of each rest
+
+  std::array<std::vector<Vec3>, 3> applied_;  ///< per Sensor, taken out by replace(); empty: nothing
+  std::vector<Vec3> rate_, force_, mag_, field_;
+  std::vector<Mat3> R_;
+  Vec3 field_world_;
+  Quat first_attitude_;
+  Eigen::VectorXd x_, prior_sd_;  ///< nuisances as they stand, and how far the simulation may be off
+  std::vector<std::vector<LawColumn>> accepted_;
+  std::array<Eigen::VectorXd, 3> mag_ar_;
+  Vec3 mag_sd_ = Vec3::Ones(), force_sd_ = Vec3::Ones(), rate_sd_ = Vec3::Ones();
+
+  Eigen::MatrixXd N_;  ///< whitened nuisance columns
+  Eigen::VectorXd y_;  ///< whitened residual
+  Eigen::LDLT<Eigen::MatrixXd> gram_;
+};
+
+}  // namespace stillpoint::diag::detail

@@ -1,0 +1,182 @@
+#include "diagnosis/no_reference/no_reference.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "diagnosis/forensics/forensics.h"
+#include "diagnosis/no_reference/field.h"
+#include "diagnosis/no_reference/findings.h"
+#include "diagnosis/no_reference/search.h"
+#include "diagnosis/no_reference/still.h"
+
+namespace stillpoint::diag {
+namespace {
+
+using detail::Candidate;
+using detail::SelfConsistency;
+using detail::WitnessedLaw;
+
+constexpr std::size_t kLeastRests = 3;
+constexpr int kMostFindings = 3;
+constexpr double kLeastOfFirst = 0.02;  // smaller gains are the second order of the first finding
+constexpr double kDriftOverLaw = 1.15;  // a free offset per rest must beat a law by this to take its place
+constexpr double kLeastShare = 0.5;     // a law that removes less of what is not noise is not the cause
+constexpr double kDispersion = 1.5;     // mean square of whitened residuals above which something is left unexplained
+constexpr double kForceMisfit = 1.6;    // whitened rms of the accelerometer's rests above this is more than noise
+
+void conclude(const SelfConsistency& model, const Forensics& raw, Diagnosis& d) {
+  const bool force_off = model.force_misfit() > kForceMisfit;
+  d.notices.push_back(
+      "accelerometer: without a reference only its norm at rest is witnessed; its dynamics, delay and cross terms stay "
+      "untested. "
+      "Record rests of 3 s in at least twelve attitudes, or a reference orientation and position");
+  const bool unknown = std::any_of(d.findings.begin(), d.findings.end(),
+                                   [](const Finding& f) { return f.effect.starts_with("unknown"); });
+  if (!d.findings.empty()) {
+    d.verdict = unknown ? Verdict::kUnexplained : Verdict::kExplained;
+    std::vector<std::string> parts;
+    for (const Finding& f : d.findings) parts.push_back(fmt::format("{} ({})", f.effect, fmt::join(f.channels, ", ")));
+    d.summary = fmt::format(
+        "Missing physics: {}; found from rests and from gyroscope against magnetometer, without a reference.",
+        fmt::join(parts, "; "));
+  } else if (model.dispersion() > kDispersion) {
+    d.verdict = Verdict::kUnexplained;
+    d.summary = fmt::format(
+        "Something is there that no law of the library explains: gyroscope, magnetometer and rests disagree by {:.1f} "
+        "times their noise. Record a reference orientation to decide.",
+        std::sqrt(model.dispersion()));
+  } else if (force_off) {
+    d.verdict = Verdict::kInsufficientData;
+    d.summary = fmt::format(
+        "Insufficient data for the accelerometer: its rests depart from gravity by {:.1f} times their noise, and "
+        "without "
+        "a reference the cause cannot be told. Gyroscope and magnetometer agree with the simulation.",
+        model.force_misfit());
+  } else {
+    d.verdict = Verdict::kNoMismatch;
+    d.summary =
+        "No mismatch in what can be seen without a reference: rests, norms, and gyroscope against magnetometer agree "
+        "with the simulation.";
+  }
+  for (const auto& n : raw.notices) d.notices.push_back(n);
+}
+
+/// Why nothing beyond the raw values can be judged; empty when it can.
+std::string what_is_missing(const io::Recording& recording, const sim::SimulationConfig& simulation,
+                            const Forensics& raw, std::size_t rests) {
+  const auto* gyro = triad(simulation, kGyr);
+  const bool coarse = gyro && raw.sensor[kGyr].quantised && raw.sensor[kGyr].lattice_step.maxCoeff() > gyro->noise_sd;
+  if (raw.sensor[kGyr].saturated || coarse)
+    return "the gyroscope's raw values are spoiled, and without a reference everything else is judged by it; repair "
+           "that first";
+  if (!gyro || recording.gyr_radps.empty() || !simulation.accelerometer || recording.acc_mps2.empty())
+    return "without a reference, gyroscope and accelerometer are both needed: record them or add a reference "
+           "orientation";
+  if (rests < kLeastRests)
+    return fmt::format(
+        "{} windows of rest where {} are needed: put the sensor down for 3 s between movements, in different "
+        "attitudes, or record a reference orientation",
+        rests, kLeastRests);
+  return {};
+}
+
+bool given(const sim::SimulationConfig& simulation, const std::string& id) {
+  return std::any_of(simulation.effects.begin(), simulation.effects.end(), [&](const auto& e) { return e.id == id; });
+}
+
+/// The laws that are left to be named: what the simulation has was taken out already.
+std::vector<WitnessedLaw> open_laws(const SelfConsistency& model, const sim::SimulationConfig& simulation,
+                                    const std::vector<std::string>& without) {
+  auto laws = detail::witnessed_laws(model, simulation);
+  std::erase_if(laws, [&](const WitnessedLaw& law) {
+    return given(simulation, law.id) || std::find(without.begin(), without.end(), law.id) != without.end();
+  });
+  return laws;
+}
+
+/// A slow offset that no law reaches, in the first round; true when one was stated.
+bool state_drift(const SelfConsistency& model, const sim::SimulationConfig& simulation,
+                 const std::vector<Candidate>& ranking, Diagnosis& d) {
+  bool stated = false;
+  double best = 0.0;  // among all laws: the field's offset also moves when the gyro turns it wrongly
+  for (const auto& c : ranking) best = std::max(best, c.score);
+  for (const Sensor s : {kGyr, kMag}) {
+    const std::string id = fmt::format("{}_drift", kSensorName[s]);
+    if (given(simulation, id)) continue;
+    const double drift = detail::drift_score(model, s);
+    d.ranking.push_back({id, drift});
+    if (drift < detail::kAbstain_nats || drift < kDriftOverLaw * best + detail::kAbstain_nats) continue;
+    d.findings.push_back(detail::describe_drift(model, s, drift));
+    stated = true;
+  }
+  return stated;
+}
+
+void search(SelfConsistency& model, const sim::SimulationConfig& simulation, const std::vector<std::string>& without,
+            Diagnosis& d) {
+  double first_gain = 0.0;
+  for (int round = 0; round < kMostFindings; ++round) {
+    const auto laws = open_laws(model, simulation, without);
+    const auto ranking = detail::rank(model, laws);
+    if (round == 0) {
+      for (const auto& c : ranking) d.ranking.push_back({c.law->id, c.score});
+      if (state_drift(model, simulation, ranking, d)) return;
+    }
+    if (ranking.empty()) return;
+    Candidate best = ranking.front();
+    if (best.score < detail::kAbstain_nats || best.fit.gain_nats < kLeastOfFirst * first_gain) return;
+    detail::relinearise(model, best);
+    if (!detail::plausible(best)) return;
+    Finding f = detail::describe(model, best, ranking);
+    if (!(f.held_out.gain_nats > 1.0)) return;
+    if (f.held_out.removable_share_removed < kLeastShare && model.dispersion() > kDispersion) {
+      d.findings.push_back(detail::describe_unknown(model, best.law->sensor, best));
+      return;
+    }
+    first_gain = std::max(first_gain, best.fit.gain_nats);
+    d.findings.push_back(std::move(f));
+    model.accept(best.law->columns(best.grid_value));
+  }
+}
+
+}  // namespace
+
+Diagnosis diagnose_without_reference(const io::Recording& recording, const sim::SimulationConfig& simulation,
+                                     const std::vector<std::string>& without) {
+  Diagnosis d;
+  const Forensics raw = examine_raw_values(recording, simulation);
+  if (detail::lies_still(recording)) {
+    d = detail::diagnose_still(recording, simulation, without);
+    d.findings.insert(d.findings.end(), raw.findings.begin(), raw.findings.end());
+    d.notices.insert(d.notices.end(), raw.notices.begin(), raw.notices.end());
+    return d;
+  }
+  d.findings = raw.findings;
+  d.abstention_nats = detail::kAbstain_nats;
+  const auto rest = detail::find_rest(recording, simulation);
+  if (const std::string why = what_is_missing(recording, simulation, raw, rest.size()); !why.empty()) {
+    d.verdict = d.findings.empty() ? Verdict::kInsufficientData : Verdict::kPartlyExplained;
+    d.summary = d.findings.empty()
+                    ? "Insufficient data: " + why
+                    : fmt::format("Found {} in the raw values; for the rest: {}", d.findings.front().effect, why);
+    d.notices.push_back(why);
+    d.notices.insert(d.notices.end(), raw.notices.begin(), raw.notices.end());
+    return d;
+  }
+  const detail::DisturbedField disturbed = detail::find_disturbed_field(recording, simulation, raw, rest);
+  d.findings.insert(d.findings.end(), disturbed.findings.begin(), disturbed.findings.end());
+  SelfConsistency model(recording, simulation, disturbed.masked, rest);
+  model.settle();
+  detail::take_out_given(model, detail::witnessed_laws(model, simulation), simulation.effects);
+  const std::array<SelfConsistency::Series, 2> before{model.series(kGyr, {}, {}), model.series(kMag, {}, {})};
+  search(model, simulation, without, d);
+  std::sort(d.ranking.begin(), d.ranking.end(), [](const auto& a, const auto& b) { return a.gain_nats > b.gain_nats; });
+  detail::fill_channels(model, before, d);
+  conclude(model, raw, d);
+  return d;
+}
+
+}  // namespace stillpoint::diag

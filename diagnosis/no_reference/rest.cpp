@@ -1,0 +1,73 @@
+#include <algorithm>
+#include <cmath>
+
+#include "diagnosis/no_reference/model.h"
+
+namespace stillpoint::diag::detail {
+namespace {
+
+constexpr double kCell_s = 0.25;
+constexpr double kLeastRest_s = 1.0;
+constexpr double kLargestOffset_radps = 0.06;  // a mean rate above this is a slow turn, not an offset
+
+struct Scatter {
+  Vec3 mean = Vec3::Zero();
+  double sd = 0.0;
+};
+
+Scatter scatter(const std::vector<Vec3>& v, std::size_t first, std::size_t last) {
+  Scatter s;
+  double n = 0;
+  for (std::size_t i = first; i < last; ++i)
+    if (v[i].allFinite()) s.mean += v[i], n += 1;
+  if (n < 2) return {Vec3::Zero(), HUGE_VAL};
+  s.mean /= n;
+  for (std::size_t i = first; i < last; ++i)
+    if (v[i].allFinite()) s.sd = std::max(s.sd, (v[i] - s.mean).cwiseAbs2().maxCoeff());
+  s.sd = std::sqrt(s.sd);
+  return s;
+}
+
+double quantile(std::vector<double> v, double q) {
+  if (v.empty()) return 0.0;
+  const auto at = v.begin() + static_cast<long>(q * static_cast<double>(v.size() - 1));
+  std::nth_element(v.begin(), at, v.end());
+  return *at;
+}
+
+}  // namespace
+
+std::vector<RestWindow> find_rest(const io::Recording& r, const sim::SimulationConfig& simulation) {
+  const auto* gyro = triad(simulation, kGyr);
+  if (gyro == nullptr || r.gyr_radps.empty() || r.size() < 10) return {};
+  const double step_s = std::max(r.median_step_s(), 1e-6);
+  const auto n = std::max<std::size_t>(4, static_cast<std::size_t>(std::lround(kCell_s / step_s)));
+  std::vector<Scatter> rate, force;
+  std::vector<double> rate_sd, force_sd;
+  for (std::size_t i = 0; i + n <= r.size(); i += n) {
+    rate.push_back(scatter(r.gyr_radps, i, i + n));
+    force.push_back(r.acc_mps2.empty() ? Scatter{} : scatter(r.acc_mps2, i, i + n));
+    rate_sd.push_back(rate.back().sd), force_sd.push_back(force.back().sd);
+  }
+  // The quietest tenth of the recording shows the noise as it is; the configured one may be wrong.
+  const double rate_limit = std::max(2.5 * quantile(rate_sd, 0.1), 4.0 * gyro->noise_sd);
+  const auto* acc = triad(simulation, kAcc);
+  const double force_limit = std::max(2.5 * quantile(force_sd, 0.1), acc ? 4.0 * acc->noise_sd : 0.0);
+  std::vector<RestWindow> rest;
+  std::size_t run = 0;
+  for (std::size_t c = 0; c <= rate.size(); ++c) {
+    const bool quiet = c < rate.size() && rate[c].sd <= rate_limit && force[c].sd <= force_limit + 1e-12 &&
+                       (rate[c].mean - gyro->bias).norm() < kLargestOffset_radps;
+    if (quiet) {
+      ++run;
+      continue;
+    }
+    // The cells at either end may hold the tail of the motion.
+    if (run >= 3 && static_cast<double>((run - 2) * n) * step_s >= kLeastRest_s - 1e-9)
+      rest.push_back({(c - run + 1) * n, (c - 1) * n - 1});
+    run = 0;
+  }
+  return rest;
+}
+
+}  // namespace stillpoint::diag::detail

@@ -1,0 +1,40 @@
+/// Which law explains best what gyroscope, magnetometer and rests leave, searched in the linear model of
+/// model.h.
+#pragma once
+#include <array>
+#include <cmath>
+#include <vector>
+
+#include "diagnosis/no_reference/laws.h"
+
+namespace stillpoint::diag::detail {
+
+inline constexpr double kAbstain_nats = 7.0;  ///< after the charges; e^-7 is one false name in a thousand
+
+struct Candidate {
+  const WitnessedLaw* law = nullptr;
+  double grid_value = 0.0;
+  std::array<double, 2> grid_ci95{};
+  LawFit fit;
+  Eigen::VectorXd applied;   ///< what of it has been taken out of the readings; empty: nothing
+  double score = -HUGE_VAL;  ///< gain less the charges for parameters and for having searched
+};
+
+/// Whether the fitted numbers are of a size that the law can have.
+[[nodiscard]] bool plausible(const Candidate& candidate);
+
+/// Every law at its best, by score, highest first. `laws` must outlive the candidates.
+[[nodiscard]] std::vector<Candidate> rank(const SelfConsistency& model, const std::vector<WitnessedLaw>& laws);
+
+/// A large effect bends the attitude that was settled around it, and the calibrations with it: it is taken out of the
+/// readings and fitted again around what follows, until nothing changes.
+void relinearise(SelfConsistency& model, Candidate& candidate);
+
+/// Takes the entries of a simulation that the laws can witness out of the readings, and settles again.
+void take_out_given(SelfConsistency& model, const std::vector<WitnessedLaw>& laws,
+                    const std::vector<sim::EffectConfig>& given);
+
+/// Score of an offset of its own in every rest, comparable with those of the laws.
+[[nodiscard]] double drift_score(const SelfConsistency& model, Sensor sensor);
+
+}  // namespace stillpoint::diag::detail

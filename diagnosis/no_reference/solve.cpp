@@ -1,0 +1,169 @@
+/// The linear algebra of the self-consistency model: settling the nuisances, fitting a law beside them, holding data
+/// out.
+#include <cmath>
+
+#include "diagnosis/no_reference/model.h"
+
+namespace stillpoint::diag::detail {
+namespace {
+
+constexpr double kBlock_s =
+    10.0;  // held-out blocks: longer than the memory of the noise, shorter than a bout and its rest
+
+}  // namespace
+
+void SelfConsistency::settle() {
+  prior_sd_.conservativeResize(x_.size());
+  const Eigen::VectorXd information = prior_sd_.cwiseAbs2().cwiseInverse();
+  for (int pass = 0; pass < 4; ++pass) {
+    integrate();
+    predict();
+    find_noise();
+    N_ = nuisance_columns();
+    whiten(N_);
+    Eigen::MatrixXd r = residual();
+    whiten(r);
+    y_ = r;
+    Eigen::MatrixXd gram = N_.transpose() * N_;
+    gram.diagonal() += information;
+    gram_.compute(gram);
+    if (pass == 3) break;
+    x_ += gram_.solve(N_.transpose() * y_ - information.cwiseProduct(x_));
+  }
+  // What the last step would still change is small; it is taken in the linear model.
+  y_ -= N_ * gram_.solve(N_.transpose() * y_ - information.cwiseProduct(x_));
+  for (const auto& law : accepted_) add_nuisances(whitened(law));
+}
+
+LawFit SelfConsistency::fit(const std::vector<LawColumn>& law, const Eigen::VectorXd& applied) const {
+  const Eigen::MatrixXd C = whitened(law);
+  const Eigen::MatrixXd NC = N_.transpose() * C;
+  const Eigen::MatrixXd P = gram_.solve(NC);
+  Eigen::MatrixXd S = C.transpose() * C - NC.transpose() * P;
+  // What the nuisances can imitate to nine digits is theirs.
+  for (long i = 0; i < S.rows(); ++i) S(i, i) += 1e-9 * (C.col(i).squaredNorm() + 1e-300);
+  Eigen::VectorXd b = C.transpose() * y_;
+  if (applied.size() > 0) b += S * applied;
+  const Eigen::LDLT<Eigen::MatrixXd> solver(S);
+  LawFit fit;
+  fit.value = solver.solve(b);
+  const double explained = b.dot(fit.value);
+  const Eigen::VectorXd left = applied.size() > 0 ? (fit.value - applied).eval() : fit.value;
+  const double remains = y_.squaredNorm() - 2.0 * left.dot(C.transpose() * y_) + left.dot(S * left);
+  const double dispersion = std::max(1.0, remains / static_cast<double>(y_.size()));
+  fit.gain_nats = 0.5 * explained / dispersion;
+  fit.sd = (solver.solve(Eigen::MatrixXd::Identity(S.rows(), S.cols())).diagonal() * dispersion).cwiseAbs().cwiseSqrt();
+  return fit;
+}
+
+void SelfConsistency::take_out(const std::vector<LawColumn>& law, const Eigen::VectorXd& value) {
+  for (std::size_t j = 0; j < law.size(); ++j) {
+    auto& taken = applied_[law[j].sensor];
+    if (taken.empty()) taken.assign(recording_.size(), Vec3::Zero());
+    for (std::size_t i = 0; i < taken.size(); ++i) taken[i] += value[static_cast<long>(j)] * law[j].unit[i];
+  }
+}
+
+void SelfConsistency::replace(const std::vector<LawColumn>& before, const Eigen::VectorXd& before_value,
+                              const std::vector<LawColumn>& law, const Eigen::VectorXd& value) {
+  take_out(before, -before_value);
+  take_out(law, value);
+  settle();
+}
+
+HeldOutGain SelfConsistency::held_out(const std::vector<LawColumn>& law, const Eigen::VectorXd& applied) const {
+  const Eigen::MatrixXd C = whitened(law);
+  const Eigen::VectorXd y = applied.size() > 0 ? (y_ + C * applied).eval() : y_;
+  const auto nm = static_cast<long>(mag_rows_.size()), nc = static_cast<long>(cells_.size());
+  std::array<std::vector<long>, 2> rows;
+  std::vector<std::size_t> block(static_cast<std::size_t>(y.size()));
+  std::size_t blocks = 0;
+  for (long i = 0; i < y.size(); ++i) {
+    const std::size_t row = i < 3 * nm ? mag_rows_[static_cast<std::size_t>(i % nm)]
+                                       : cells_[static_cast<std::size_t>((i - 3 * nm) % nc)].first;
+    const auto b = static_cast<std::size_t>((recording_.t_s(row) - recording_.t_s(0)) / kBlock_s);
+    block[static_cast<std::size_t>(i)] = b;
+    rows[b % 2].push_back(i);
+    blocks = std::max(blocks, b + 1);
+  }
+  std::array<Eigen::VectorXd, 2> value;
+  std::array<Eigen::MatrixXd, 2> n, c, imitated;
+  std::array<Eigen::VectorXd, 2> free_y;
+  for (std::size_t f = 0; f < 2; ++f) {
+    n[f] = N_(rows[f], Eigen::all), c[f] = C(rows[f], Eigen::all);
+    const Eigen::VectorXd yf = y(rows[f]);
+    Eigen::MatrixXd gram = n[f].transpose() * n[f];
+    gram.diagonal() += prior_sd_.cwiseAbs2().cwiseInverse();
+    const Eigen::LDLT<Eigen::MatrixXd> solver(gram);
+    imitated[f] = c[f] - n[f] * solver.solve(n[f].transpose() * c[f]);
+    free_y[f] = yf - n[f] * solver.solve(n[f].transpose() * yf);
+    Eigen::MatrixXd S = c[f].transpose() * imitated[f];
+    for (long i = 0; i < S.rows(); ++i) S(i, i) += 1e-6 * (S(i, i) + 1e-300);
+    value[f] = S.ldlt().solve(c[f].transpose() * free_y[f]);
+  }
+  const double dispersion = std::max(1.0, y_.squaredNorm() / static_cast<double>(y_.size()));
+  std::vector<double> better(blocks, 0.0);
+  for (std::size_t f = 0; f < 2; ++f) {
+    const Eigen::VectorXd after = free_y[f] - imitated[f] * value[1 - f];
+    for (std::size_t i = 0; i < rows[f].size(); ++i) {
+      const auto at = static_cast<long>(i);
+      better[block[static_cast<std::size_t>(rows[f][i])]] +=
+          0.5 * (free_y[f][at] * free_y[f][at] - after[at] * after[at]) / dispersion;
+    }
+  }
+  HeldOutGain gain;
+  for (const double b : better) gain.nats += b, gain.blocks_better += b > 0, ++gain.blocks;
+  return gain;
+}
+
+void SelfConsistency::add_nuisances(const Eigen::MatrixXd& C) {
+  const Eigen::MatrixXd NC = N_.transpose() * C;
+  const Eigen::MatrixXd S = C.transpose() * C - NC.transpose() * gram_.solve(NC);
+  const Eigen::VectorXd value = S.ldlt().solve(C.transpose() * y_);
+  y_ -= C * value - N_ * gram_.solve(NC * value);
+  Eigen::MatrixXd wider(N_.rows(), N_.cols() + C.cols());
+  wider << N_, C;
+  N_ = std::move(wider);
+  Eigen::VectorXd prior(N_.cols());
+  prior << prior_sd_, C.colwise().norm().transpose().cwiseInverse() * 1e4;  // next to free
+  prior_sd_ = prior;
+  Eigen::MatrixXd gram = N_.transpose() * N_;
+  gram.diagonal() += prior_sd_.cwiseAbs2().cwiseInverse();
+  gram_.compute(gram);
+}
+
+void SelfConsistency::accept(const std::vector<LawColumn>& law) {
+  accepted_.push_back(law);
+  add_nuisances(whitened(law));
+}
+
+SelfConsistency::Series SelfConsistency::series(Sensor sensor, const std::vector<LawColumn>& law,
+                                                const Eigen::VectorXd& applied) const {
+  Series out;
+  const Eigen::MatrixXd white = whitened(law), raw = columns(law), nuisance = nuisance_columns();
+  const Eigen::VectorXd value = law.empty() ? Eigen::VectorXd() : fit(law, applied).value;
+  const Eigen::VectorXd before_value = applied.size() > 0 ? applied : Eigen::VectorXd::Zero(value.size()).eval();
+  // Before: the residual with the nuisances alone at their best. Explained: the law, less what the nuisances give back.
+  const auto given_back = [&](const Eigen::VectorXd& v) {
+    const Eigen::VectorXd x = gram_.solve(N_.transpose() * (white * v));
+    return (raw * v - nuisance * x.head(nuisance.cols())).eval();
+  };
+  const Eigen::VectorXd r = residual() + given_back(before_value), e = given_back(value);
+  const auto nm = static_cast<long>(mag_rows_.size()), nc = static_cast<long>(cells_.size());
+  const long n = sensor == kMag ? nm : nc, at = sensor == kMag ? 0 : 3 * nm + (sensor == kGyr ? 3 * nc : 0);
+  for (long i = 0; i < n; ++i) {
+    const auto row =
+        sensor == kMag ? mag_rows_[static_cast<std::size_t>(i)] : cells_[static_cast<std::size_t>(i)].first;
+    out.t_s.push_back(recording_.t_s(row));
+    out.residual.emplace_back(r[at + i], r[at + n + i], r[at + 2 * n + i]);
+    out.explained.emplace_back(e[at + i], e[at + n + i], e[at + 2 * n + i]);
+  }
+  return out;
+}
+
+double SelfConsistency::force_misfit() const {
+  const auto nm = static_cast<long>(mag_rows_.size()), nc = static_cast<long>(cells_.size());
+  return nc == 0 ? 0.0 : std::sqrt(y_.segment(3 * nm, 3 * nc).squaredNorm() / static_cast<double>(3 * nc));
+}
+
+}  // namespace stillpoint::diag::detail

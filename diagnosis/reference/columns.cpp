@@ -1,0 +1,79 @@
+#include "diagnosis/reference/columns.h"
+
+#include <cmath>
+
+namespace stillpoint::diag {
+
+Columns on_each_axis(const Series& x) { return {{0, x}, {1, x}, {2, x}}; }
+
+Columns diagonal(const Series3& x) { return {{0, x.col(0)}, {1, x.col(1)}, {2, x.col(2)}}; }
+
+Columns matrix_of(const Series3& x) {
+  Columns out;
+  for (int row = 0; row < 3; ++row)
+    for (int c = 0; c < 3; ++c) out.push_back({row, x.col(c)});
+  return out;
+}
+
+Columns coupled(std::initializer_list<Series3> parts) {
+  Columns out;
+  for (const auto& part : parts) out.push_back({-1, part});
+  return out;
+}
+
+Columns world_fixed(const Signals& s) { return coupled({s.world_axis[0], s.world_axis[1], s.world_axis[2]}); }
+
+Series lagged_difference(const Series& T, double dt_s, double tau_s) {
+  Series out(T.size());
+  double lagged = T.size() ? T[0] : 0.0;
+  const double share = 1.0 - std::exp(-dt_s / tau_s);
+  for (Eigen::Index i = 0; i < T.size(); ++i) {
+    lagged += share * (T[i] - lagged);
+    out[i] = T[i] - lagged;
+  }
+  return out;
+}
+
+Series after_tracker(const Series& x, const Mask& rest, double dt_s, double tau_s) {
+  Series out(x.size());
+  double tracked = 0.0;
+  const double share = 1.0 - std::exp(-dt_s / tau_s);
+  for (Eigen::Index i = 0; i < x.size(); ++i) {
+    if (rest[static_cast<std::size_t>(i)]) tracked += share * (x[i] - tracked);
+    out[i] = x[i] - tracked;
+  }
+  return out;
+}
+
+Series3 lever_column(const Signals& s, int j) {
+  Series3 out(s.n, 3);
+  for (Eigen::Index i = 0; i < s.n; ++i) {
+    const Vec3 w = s.rate.row(i), a = s.rate_dot.row(i), e = Vec3::Unit(j);
+    out.row(i) = a.cross(e) + w.cross(w.cross(e));
+  }
+  return out;
+}
+
+Columns size_columns(const Signals& s) {
+  Columns out;
+  const std::array<Series3, 3> lever{lever_column(s, 0), lever_column(s, 1), lever_column(s, 2)};
+  for (int axis = 0; axis < 3; ++axis)
+    for (const auto& column : lever) out.push_back({axis, column.col(axis)});
+  return out;
+}
+
+Columns gradient_columns(const Signals& s) {
+  Columns out;
+  for (int row = 0; row < 3; ++row)
+    for (int c = 0; c < 3; ++c)
+      out.push_back({-1, s.position_m.col(c).asDiagonal() * s.world_axis[static_cast<std::size_t>(row)]});
+  return out;
+}
+
+Series3 at_rest_zero(const Signals& s, Series3 x) {
+  for (Eigen::Index i = 0; i < s.n; ++i)
+    if (s.rest[static_cast<std::size_t>(i)]) x.row(i).setZero();
+  return x;
+}
+
+}  // namespace stillpoint::diag

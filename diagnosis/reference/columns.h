@@ -1,0 +1,32 @@
+/// Builders of regression columns from drivers, and the drivers that need a formula of their own.
+#pragma once
+#include "diagnosis/reference/regression.h"
+
+namespace stillpoint::diag {
+
+/// One column an axis, each with its own coefficient: k o x.
+[[nodiscard]] Columns diagonal(const Series3& x);
+/// A full 3x3 matrix of coefficients times x, row-major.
+[[nodiscard]] Columns matrix_of(const Series3& x);
+/// One scalar driver with a coefficient an axis.
+[[nodiscard]] Columns on_each_axis(const Series& x);
+/// Vectors with one coefficient each, common to the axes.
+[[nodiscard]] Columns coupled(std::initializer_list<Series3> parts);
+/// A vector fixed in the world, with free components there.
+[[nodiscard]] Columns world_fixed(const Signals& s);
+
+/// T - T_L with tau dT_L/dt = T - T_L, started in equilibrium.
+[[nodiscard]] Series lagged_difference(const Series& T, double dt_s, double tau_s);
+/// What is left of x when an adaptive bias estimate, started at zero, follows it at rest with time constant tau and
+/// holds in motion.
+[[nodiscard]] Series after_tracker(const Series& x, const Mask& rest, double dt_s, double tau_s);
+/// omega' x e_j + omega x (omega x e_j): what a point 1 m along axis j senses more than the reference point.
+[[nodiscard]] Series3 lever_column(const Signals& s, int j);
+/// The same with arms of its own for every axis: nine coefficients, row-major.
+[[nodiscard]] Columns size_columns(const Signals& s);
+/// R' G p with the nine entries of G free: a measured map need not be free of curl to be a gradient in the catalogue's
+/// sense.
+[[nodiscard]] Columns gradient_columns(const Signals& s);
+[[nodiscard]] Series3 at_rest_zero(const Signals& s, Series3 x);
+
+}  // namespace stillpoint::diag

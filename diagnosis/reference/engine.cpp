@@ -1,0 +1,111 @@
+#include "diagnosis/reference/engine.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace stillpoint::diag {
+namespace {
+
+constexpr int kMostEffects = 3;  // of one sensor
+constexpr double kClearNats = 3.0;
+
+bool holds(const std::vector<std::string>& list, const std::string& id) {
+  return std::find(list.begin(), list.end(), id) != list.end();
+}
+
+bool concerns_the_clock(const Found& f) {
+  return f.kind == Kind::kTiming &&
+         (f.id.find("delay") != std::string::npos || f.id == "sys_gap" || f.id == "sys_skew");
+}
+
+/// The same timing law with the same numbers in another sensor.
+std::optional<Series3> same_offset(const Signals& s, Sensor sensor, const Found& f) {
+  const std::string id = f.id.rfind("sys_", 0) == 0 ? f.id : std::string(kSensorName[sensor]) + "_delay";
+  for (const TimingLaw& law : make_timing_laws(s, sensor, f.window.begin))
+    if (law.id == id) return law.delta(f.timing);
+  return std::nullopt;
+}
+
+/// Whether a delay of the sensor's own explains clearly more than the common one: then it is not common.
+bool has_its_own(const Signals& s, const SensorSearch& search, double common_gain) {
+  constexpr double kClearShare = 0.1;
+  Target plain = search.target;
+  plain.walk.resize(0, 0);
+  const Columns explained = search.explained();
+  const NoiseModel noise(plain.layout, fit_profile(plain, explained).leftover);
+  for (const TimingLaw& law : make_timing_laws(s, search.sensor, 0)) {
+    if (!law.id.ends_with("_delay")) continue;
+    const TimingFit own = fit_timing(plain, explained, noise, law);
+    if (own.gain_nats <= 0) return false;
+    const double gain = gain_of_offset(search, own.delta);
+    return gain > common_gain + std::max(kClearNats, kClearShare * gain);
+  }
+  return false;
+}
+
+/// Whether the other sensors confirm it; takes the offset out of them when they do.
+bool joins_all(const Signals& s, EngineResult& r, Sensor lead, Found& f, std::vector<Sensor>& sensors) {
+  std::array<std::optional<Series3>, kSensors> offsets;
+  std::array<double, kSensors> gains{};
+  double total = 0.0;
+  for (const Sensor other : {kAcc, kGyr, kMag}) {
+    if (other == lead || !r.sensor[other]) continue;
+    offsets[other] = same_offset(s, other, f);
+    if (!offsets[other]) continue;
+    gains[other] = gain_of_offset(*r.sensor[other], *offsets[other]);
+    if (f.id.ends_with("_delay") && has_its_own(s, *r.sensor[other], gains[other])) return false;
+    total += gains[other];
+  }
+  const bool must_be_common = f.id.rfind("sys_", 0) == 0;
+  if (total < (must_be_common ? -kClearNats : kClearNats)) return false;
+  for (const Sensor other : {kAcc, kGyr, kMag}) {
+    if (!offsets[other]) continue;
+    r.sensor[other]->target.residual -= *offsets[other];
+    r.sensor[other]->first_gain = std::max(r.sensor[other]->first_gain, gains[other]);
+    sensors.push_back(other);
+  }
+  if (!must_be_common) f.id = "sys_offset";
+  return true;
+}
+
+}  // namespace
+
+EngineResult search_all(const Signals& s, const std::vector<std::string>& without) {
+  EngineResult r;
+  std::array<bool, kSensors> open{};
+  for (const Sensor k : {kAcc, kGyr, kMag}) {
+    if (!s.present[k] || s.residual[k].rows() == 0) continue;
+    r.sensor[k] = start_search(s, k);
+    std::erase_if(r.sensor[k]->laws, [&without](const Law& law) { return holds(without, law.id); });
+    r.sensor[k]->deleted = without;
+    open[k] = r.sensor[k]->target.layout.used() > 200;
+  }
+  for (int round = 0; round < kMostEffects; ++round) {
+    std::array<std::optional<Found>, kSensors> next;
+    for (const Sensor k : {kAcc, kGyr, kMag})
+      if (open[k]) next[k] = next_effect(s, *r.sensor[k]);
+    // The sensor that sees a clock effect best speaks for it.
+    int lead = -1;
+    for (int k = 0; k < kSensors; ++k)
+      if (next[k] && concerns_the_clock(*next[k]) && (lead < 0 || next[k]->gain_nats > next[lead]->gain_nats)) lead = k;
+    std::array<bool, kSensors> again{};
+    if (lead >= 0) {
+      std::vector<Sensor> sensors{static_cast<Sensor>(lead)};
+      const bool common = joins_all(s, r, static_cast<Sensor>(lead), *next[lead], sensors);
+      if (common) {
+        r.system.push_back({*next[lead], static_cast<Sensor>(lead), sensors});
+        for (const Sensor k : sensors) again[k] = k != lead;
+      }
+    }
+    for (const Sensor k : {kAcc, kGyr, kMag}) {
+      if (again[k]) continue;  // its residual has changed: look afresh in the next round
+      if (!next[k])
+        open[k] = false;
+      else
+        accept(*r.sensor[k], *next[k]);
+    }
+  }
+  return r;
+}
+
+}  // namespace stillpoint::diag

@@ -1,0 +1,21 @@
+/// The search over all sensors: what one sensor finds alone, and what the clock does to all of them at once.
+#pragma once
+#include "diagnosis/reference/selection.h"
+
+namespace stillpoint::diag {
+
+struct SystemEffect {
+  Found found;  ///< in the sensor that sees it best
+  Sensor lead = kGyr;
+  std::vector<Sensor> sensors;
+};
+
+struct EngineResult {
+  std::array<std::optional<SensorSearch>, kSensors> sensor;
+  std::vector<SystemEffect> system;
+};
+
+/// Pre: the signals have an orientation. `without`: names that are not in the library this time.
+[[nodiscard]] EngineResult search_all(const Signals& s, const std::vector<std::string>& without = {});
+
+}  // namespace stillpoint::diag

@@ -1,0 +1,160 @@
+#include "diagnosis/reference/evidence.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace stillpoint::diag {
+namespace {
+
+constexpr double kFold_s = 4.0;
+constexpr int kLags = 20;
+constexpr double kChiSquare20_999 = 45.31;
+
+double rms_over(const Series3& x, const Eigen::ArrayXd& counts) {
+  double sum = 0.0;
+  for (int axis = 0; axis < 3; ++axis) sum += (x.col(axis).array().square() * counts).sum();
+  return std::sqrt(sum / std::max(3.0 * counts.sum(), 1.0));
+}
+
+/// The model without some effects (ascending): their columns gone, their offsets put back.
+std::pair<Target, Columns> without_effects(const SensorSearch& search, const std::vector<std::size_t>& effects) {
+  std::pair<Target, Columns> out{search.target, {}};
+  for (std::size_t i = 0; i < search.found.size(); ++i) {
+    const Found& f = search.found[i];
+    if (!std::binary_search(effects.begin(), effects.end(), i))
+      out.second = joined(std::move(out.second), f.columns);
+    else if (f.offset.size())
+      out.first.residual += f.offset;
+  }
+  return out;
+}
+
+/// Residual of the whole recording, with the coefficients of the samples that `train` counts.
+Series3 left_by(const Target& full, const Columns& columns, const NoiseModel& noise, const Eigen::ArrayXd& train) {
+  Target part = full;
+  part.walk.resize(0, 0);
+  part.layout.counts = train;
+  return fit_with(part, columns, noise, {}).leftover;
+}
+
+/// A coefficient and the time constant of its law are known together only: each time constant's tangent joins the
+/// columns, so that what it could still move widens the intervals of the coefficients.
+void free_the_shapes(const SensorSearch& search, const Target& t, Finished& out) {
+  out.shape_sd = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(search.found.size()));
+  Columns columns = search.explained();
+  const auto p = static_cast<Eigen::Index>(columns.size());
+  std::vector<Eigen::Index> shaped;
+  for (std::size_t i = 0; i < search.found.size(); ++i) {
+    const Found& f = search.found[i];
+    if (f.shape_sd > 0) out.shape_sd[static_cast<Eigen::Index>(i)] = f.shape_sd;
+    // A level of clipping has a shape too, but its likelihood has a kink at every sample.
+    if (!f.at_shape || f.shape_unit != "s") continue;
+    const double h = 1e-3 * f.shape;
+    const Columns up = f.at_shape(f.shape + h), down = f.at_shape(f.shape - h);
+    Column tangent{-1, Eigen::MatrixXd::Zero(t.layout.n, 3)};
+    for (std::size_t j = 0; j < up.size(); ++j)
+      for (int axis = 0; axis < 3; ++axis)
+        if (const auto x = shown_in(up[j], axis))
+          tangent.x.col(axis) += out.fit.theta[first_column(search, i) + static_cast<Eigen::Index>(j)] *
+                                 (*x - *shown_in(down[j], axis)) / (2.0 * h);
+    columns.push_back(std::move(tangent));
+    shaped.push_back(static_cast<Eigen::Index>(i));
+  }
+  if (shaped.empty()) return;
+  const Fit wide = fit_with(t, columns, NoiseModel(t.layout, out.fit.leftover), out.fit.walk_q);
+  const Eigen::VectorXd sd = wide.covariance.diagonal().cwiseMax(0.0).cwiseSqrt();
+  out.sd = sd.head(p);
+  for (std::size_t k = 0; k < shaped.size(); ++k) out.shape_sd[shaped[k]] = sd[p + static_cast<Eigen::Index>(k)];
+}
+
+}  // namespace
+
+Eigen::Index first_column(const SensorSearch& search, std::size_t index) {
+  Eigen::Index first = 0;
+  for (std::size_t i = 0; i < index; ++i) first += static_cast<Eigen::Index>(search.found[i].columns.size());
+  return first;
+}
+
+Finished finish(const SensorSearch& search) {
+  Target t = search.target;
+  const Columns explained = search.explained();
+  t.walk.resize(0, 0);
+  Finished out;
+  out.fit = fit_profile(t, explained);
+  t.walk = search.walk;
+  Fit walking = fit_profile(t, explained);
+  out.walk_gain_nats = walking.log_likelihood - out.fit.log_likelihood;
+  if (out.walk_gain_nats > 0) out.fit = std::move(walking);
+  out.values = out.fit.theta;
+  out.sd = out.fit.covariance.diagonal().cwiseMax(0.0).cwiseSqrt();
+  free_the_shapes(search, t, out);
+  for (std::size_t i = 0; i < search.found.size(); ++i)
+    if (search.found[i].timing.size())
+      out.values.segment(first_column(search, i), search.found[i].timing.size()) += search.found[i].timing;
+  return out;
+}
+
+HeldOut held_out(const SensorSearch& search, const std::vector<std::size_t>& effects) {
+  const Target& t = search.target;
+  const auto [less, fewer] = without_effects(search, effects);
+  const Columns all = search.explained();
+  Target plain = t;
+  plain.walk.resize(0, 0);
+  const NoiseModel noise(t.layout, fit_profile(plain, all).leftover);
+  const auto block = static_cast<Eigen::Index>(std::lround(kFold_s / t.dt_s));
+  HeldOut out;
+  Series3 before = Series3::Zero(t.layout.n, 3), after = before;
+  Series gain = Series::Zero(t.layout.n);
+  for (int fold = 0; fold < 2; ++fold) {
+    Eigen::ArrayXd train = t.layout.counts;
+    for (Eigen::Index i = 0; i < t.layout.n; ++i)
+      if ((i / block) % 2 == fold) train[i] = 0.0;
+    const Series3 with = left_by(t, all, noise, train), without = left_by(less, fewer, noise, train);
+    for (int axis = 0; axis < 3; ++axis) {
+      const Series a = noise.whiten(t.layout, with.col(axis), axis),
+                   b = noise.whiten(t.layout, without.col(axis), axis);
+      for (Eigen::Index i = 0; i < t.layout.n; ++i) {
+        if ((i / block) % 2 != fold) continue;
+        gain[i] += 0.5 * (b[i] * b[i] - a[i] * a[i]);
+        before(i, axis) = without(i, axis);
+        after(i, axis) = with(i, axis);
+      }
+    }
+  }
+  for (Eigen::Index begin = 0; begin < t.layout.n; begin += block) {
+    const double here = gain.segment(begin, std::min(block, t.layout.n - begin)).sum();
+    ++out.blocks;
+    if (here > 0) ++out.blocks_better;
+    out.gain_nats += here;
+  }
+  out.rms_before = rms_over(before, t.layout.counts);
+  out.rms_after = rms_over(after, t.layout.counts);
+  // The floor is what the best coefficients leave: those of the whole recording.
+  out.noise_floor = rms_over(fit_with(plain, all, noise, {}).leftover, t.layout.counts);
+  const double removable = out.rms_before * out.rms_before - out.noise_floor * out.noise_floor;
+  if (removable > 0)
+    out.removable_share_removed = (out.rms_before * out.rms_before - out.rms_after * out.rms_after) / removable;
+  out.unit = kSensorUnit[search.sensor];
+  return out;
+}
+
+double chi_square_tail(double x, double k) {
+  if (x <= 0) return 1.0;
+  // Wilson and Hilferty's cube root is normal to better than one percent of the exponent for all k used here.
+  const double z = (std::cbrt(x / k) - (1.0 - 2.0 / (9.0 * k))) / std::sqrt(2.0 / (9.0 * k));
+  return std::max(0.5 * std::erfc(z / std::sqrt(2.0)), 1e-300);
+}
+
+bool is_white(const Series& x, const Layout& layout) {
+  const Eigen::ArrayXd v = x.array() * layout.counts;
+  const double n = layout.used(), power = v.square().sum();
+  if (n < 10.0 * kLags || power <= 0) return true;
+  double q = 0.0;
+  for (int lag = 1; lag <= kLags; ++lag) {
+    const double rho = (v.head(v.size() - lag) * v.tail(v.size() - lag)).sum() / power;
+    q += rho * rho / (n - lag);
+  }
+  return n * (n + 2.0) * q < kChiSquare20_999;
+}
+
+}  // namespace stillpoint::diag

@@ -1,0 +1,31 @@
+/// What supports a finding: its gain on data not used for the fit, its p-value, and whether what is left is noise.
+#pragma once
+#include "diagnosis/reference/selection.h"
+#include "diagnosis/result.h"
+
+namespace stillpoint::diag {
+
+/// The finished model of one sensor: every found effect with the noise estimated beside it.
+struct Finished {
+  Fit fit;
+  Eigen::VectorXd values;       ///< per explained column: coefficient, or timing parameter
+  Eigen::VectorXd sd;           ///< of the values, the time constants of their laws free
+  Eigen::VectorXd shape_sd;     ///< per effect: of its time constant; 0 where it has none
+  double walk_gain_nats = 0.0;  ///< what a random walk adds
+};
+[[nodiscard]] Finished finish(const SensorSearch& search);
+
+/// First column of effect `index` among the explained ones.
+[[nodiscard]] Eigen::Index first_column(const SensorSearch& search, std::size_t index);
+
+/// Interleaved folds of 4 s: fitted on one half of the blocks, judged on the other, then exchanged. Before: without
+/// the given effects, by index, ascending.
+[[nodiscard]] HeldOut held_out(const SensorSearch& search, const std::vector<std::size_t>& effects);
+
+/// Upper tail of chi-square with k degrees of freedom.
+[[nodiscard]] double chi_square_tail(double x, double k);
+
+/// Ljung-Box over 20 lags, the largest of the three axes' statistics: true when it stays below the 99.9 % point.
+[[nodiscard]] bool is_white(const Series& x, const Layout& layout);
+
+}  // namespace stillpoint::diag

@@ -1,0 +1,315 @@
+#include "diagnosis/reference/findings.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "diagnosis/reference/curves.h"
+#include "diagnosis/reference/given_effects.h"
+#include "simulation/effect_catalogue.h"
+
+namespace stillpoint::diag {
+namespace {
+
+constexpr double kTieNats = 5.0;        // closer than this the recording cannot tell two names apart
+constexpr double kTieNatsLocal = 10.0;  // where each name has its own best window
+constexpr double kDriftNats = 12.0;
+constexpr double kLeastShareOfFirst = 0.02;
+constexpr double kConfigurationP = 1e-6;
+constexpr std::size_t kMostEquivalent = 2;
+
+std::string missing_drivers(const Signals& s, Sensor k) {
+  std::vector<std::string> missing;
+  if (!s.temperature_K.size()) missing.emplace_back("temp_degC");
+  if (!s.voltage_V.size() && k != kMag) missing.emplace_back("supply_V");
+  if (!s.current_A.size() && k == kMag) missing.emplace_back("current_A");
+  if (missing.empty()) return {};
+  return fmt::format("{}", fmt::join(missing, " and "));
+}
+
+void channels_of(const SensorSearch& search, std::size_t index, const Finished& finished, Finding& out) {
+  const Found& f = search.found[index];
+  const Eigen::Index first = first_column(search, index);
+  for (int axis = 0; axis < 3; ++axis) {
+    bool shown = false;
+    for (std::size_t j = 0; j < f.columns.size(); ++j) {
+      const Eigen::Index at = first + static_cast<Eigen::Index>(j);
+      const bool significant = std::abs(finished.values[at]) > 3.0 * finished.sd[at];
+      shown = shown || (f.columns[j].axis < 0 && significant) || (f.columns[j].axis == axis && significant);
+    }
+    if (shown)
+      out.channels.push_back(
+          fmt::format("{}_{}", kSensorName[search.sensor], kAxisName[static_cast<std::size_t>(axis)]));
+  }
+}
+
+void parameters_of(const SensorSearch& search, std::size_t index, const Finished& finished, Finding& out) {
+  const Found& f = search.found[index];
+  const Eigen::Index first = first_column(search, index);
+  for (std::size_t j = 0; j < f.names.size() && j < f.columns.size(); ++j) {
+    const Eigen::Index at = first + static_cast<Eigen::Index>(j);
+    const double v = finished.values[at], half = 1.96 * finished.sd[at];
+    out.parameters.push_back({f.names[j], v, {v - half, v + half}, f.units[j]});
+  }
+  if (f.shape_name.empty()) return;
+  const double half = 1.96 * finished.shape_sd[static_cast<Eigen::Index>(index)];
+  out.parameters.push_back({f.shape_name, f.shape, {f.shape - half, f.shape + half}, f.shape_unit});
+}
+
+void describe_time(const Signals& s, const Found& f, Finding& out) {
+  const double begin = static_cast<double>(f.window.begin) * s.dt_s, end = static_cast<double>(f.window.end) * s.dt_s;
+  out.interval_s = f.window.local ? std::array{begin, end} : std::array{0.0, s.duration_s()};
+  if (!f.window.local)
+    out.regime = "all the time";
+  else if (f.window.end >= s.n)
+    out.regime = fmt::format("from {:.1f} s on", begin);
+  else
+    out.regime = fmt::format("between {:.1f} and {:.1f} s only", begin, end);
+}
+
+/// Names that come so close that this recording cannot exclude them, and the best that it can.
+void rivals_of(const Found& f, Finding& out) {
+  const auto ranked = std::find_if(f.rivals.begin(), f.rivals.end(), [&](const Ranked& r) { return r.id == f.id; });
+  if (ranked == f.rivals.end()) return;
+  for (const Ranked& r : f.rivals) {
+    if (r.id == f.id || r.id == "field_world" ||
+        std::find(out.equivalent.begin(), out.equivalent.end(), r.id) != out.equivalent.end())
+      continue;
+    const bool tie =
+        r.net_nats > ranked->net_nats - (f.window.local ? kTieNatsLocal : kTieNats) && r.id.rfind("unknown", 0) != 0;
+    if (tie && out.equivalent.size() < kMostEquivalent) {
+      out.equivalent.push_back(r.id);
+    } else if (!tie && out.runner_up_effect.empty()) {
+      out.runner_up_effect = r.id;
+      out.runner_up_why_rejected =
+          fmt::format("explains {:.0f} nats less than {}", ranked->net_nats - r.net_nats, f.id);
+    }
+  }
+}
+
+std::string deciding_recording(const Finding& f) {
+  const sim::EffectInfo* info = sim::find_effect(f.effect);
+  if (!f.equivalent.empty()) {
+    const sim::EffectInfo* other = sim::find_effect(f.equivalent.front());
+    return fmt::format("{} or {}: told apart by: {}", f.effect, f.equivalent.front(),
+                       info != nullptr    ? info->told_apart_by
+                       : other != nullptr ? other->told_apart_by
+                                          : "more varied motion");
+  }
+  return info == nullptr ? "vary each of the drivers alone" : fmt::format("to be sure: {}", info->told_apart_by);
+}
+
+Finding finding_from(const Signals& s, const SensorSearch& search, std::size_t index, const Finished& finished) {
+  const Found& f = search.found[index];
+  Finding out;
+  out.effect = f.id;
+  out.equation = f.equation;
+  out.driver = f.driver;
+  describe_time(s, f, out);
+  channels_of(search, index, finished, out);
+  parameters_of(search, index, finished, out);
+  out.held_out = held_out(search, {index});
+  out.p_value = std::min(1.0, chi_square_tail(2.0 * f.gain_nats, static_cast<double>(f.columns.size())) *
+                                  static_cast<double>(search.laws.size() + search.unknown.size()) *
+                                  (f.window.local ? 500.0 : 1.0));
+  // A current nearby that was not recorded does what a piece of iron does.
+  if (f.id == "mag_hard_step" && !s.current_A.size()) out.equivalent.emplace_back("mag_current");
+  rivals_of(f, out);
+  out.figures = curves_of(s, search, index, finished);
+  out.decided_by = deciding_recording(out);
+  out.confidence = 1.0 / (1.0 + std::exp(-std::min(0.5 * f.net_nats, 30.0)));
+  return out;
+}
+
+/// Windows of one sensor in which effects act that do not last. Two or more are one cause that switches, not recorded;
+/// two effects in the same window came and went together. Beside a cause that lasts, and explains more, they are
+/// details.
+int locals(const SensorSearch& search) {
+  double lasting = 0.0;
+  for (const Found& f : search.found)
+    if (!f.window.local) lasting = std::max(lasting, f.gain_nats);
+  std::vector<Window> windows;
+  for (const Found& f : search.found) {
+    if (!f.window.local || f.kind == Kind::kTiming || f.gain_nats < lasting) continue;
+    const auto together = [&f](const Window& w) {
+      const auto both = std::min(w.end, f.window.end) - std::max(w.begin, f.window.begin);
+      const auto either = std::max(w.end, f.window.end) - std::min(w.begin, f.window.begin);
+      return 10 * both > 9 * either;
+    };
+    if (std::none_of(windows.begin(), windows.end(), together)) windows.push_back(f.window);
+  }
+  return static_cast<int>(windows.size());
+}
+
+Finding switching_finding(const Signals& s, const SensorSearch& search, const Finished& finished) {
+  Finding out = finding_from(s, search, 0, finished);
+  out.effect = "unknown:switched(t)";
+  std::vector<std::size_t> all(search.found.size());
+  std::iota(all.begin(), all.end(), 0);
+  out.held_out = held_out(search, all);
+  out.equivalent.clear();
+  out.parameters.clear();
+  out.interval_s = {0.0, s.duration_s()};
+  out.regime = "comes and goes";
+  out.equation = "an offset fixed in the body that switches";
+  out.driver = "something that switches and is not in the recording";
+  const std::string missing = missing_drivers(s, search.sensor);
+  out.decided_by = missing.empty() ? "record what is switched near the sensor" : "record " + missing;
+  return out;
+}
+
+Finding drift_finding(const Signals& s, const SensorSearch& search, const Finished& finished) {
+  Finding out;
+  const std::string sensor = kSensorName[search.sensor];
+  out.effect = sensor + "_drift";
+  out.equation = "db/dt = w, <w w> = q^2";
+  out.driver = "time: a slow drift that no recorded quantity drives";
+  out.regime = "all the time";
+  out.interval_s = {0.0, s.duration_s()};
+  for (std::size_t a = 0; a < 3; ++a) {
+    const double q = finished.fit.walk_q[a];
+    out.parameters.push_back({std::string("q_") + kAxisName[a],
+                              q,
+                              {0.5 * q, 2.0 * q},
+                              std::string(kSensorUnit[search.sensor]) + "/sqrt(s)"});
+    if (q > 0) out.channels.push_back(sensor + "_" + kAxisName[a]);
+  }
+  out.held_out.gain_nats = finished.walk_gain_nats;
+  out.held_out.unit = kSensorUnit[search.sensor];
+  out.p_value = std::exp(-finished.walk_gain_nats);
+  out.confidence = 1.0 - out.p_value;
+  const std::string missing = missing_drivers(s, search.sensor);
+  out.decided_by = missing.empty() ? "a longer recording with a second ramp of each driver"
+                                   : "record " + missing + ": it could drive this";
+  return out;
+}
+
+void configuration_of(const Signals& s, const SensorSearch& search, const Finished& finished, Answer& answer) {
+  const std::string sensor = kSensorName[search.sensor];
+  for (const Found& f : search.found)
+    if (f.kind == Kind::kConfiguration)
+      answer.diagnosis.configuration.push_back({sensor, "field_world_uT is wrong: another constant field fits"});
+  const bool thermal = std::any_of(search.found.begin(), search.found.end(), [](const Found& f) {
+    return f.id.find("_temp_") != std::string::npos || f.id.find("_volt") != std::string::npos ||
+           f.id.find("current") != std::string::npos;
+  });
+  double bias = 0.0, matrix = 0.0;
+  Vec3 offset;
+  Mat3 map;
+  const Eigen::VectorXd& x = finished.fit.nuisance;
+  const Eigen::MatrixXd& P = finished.fit.nuisance_covariance;
+  for (int axis = 0; axis < 3; ++axis) {
+    offset[axis] = x[4 * axis];
+    map.row(axis) = x.segment<3>(4 * axis + 1);
+    const Eigen::Vector3d m = x.segment<3>(4 * axis + 1);
+    bias += offset[axis] * offset[axis] / P(4 * axis, 4 * axis);
+    matrix += m.dot(Mat3(P.block<3, 3>(4 * axis + 1, 4 * axis + 1)).ldlt().solve(m));
+  }
+  // Smaller than a thousandth is below what the true vector itself is known to.
+  const double scale = std::sqrt(s.vector[search.sensor].rowwise().squaredNorm().mean());
+  if (!thermal && chi_square_tail(bias, 3.0) < kConfigurationP && offset.norm() > 2e-4 * scale)
+    answer.diagnosis.configuration.push_back(
+        {sensor, fmt::format("bias wrong by ({:.3g}, {:.3g}, {:.3g}) {}", offset[0], offset[1], offset[2],
+                             kSensorUnit[search.sensor])});
+  if (chi_square_tail(matrix, 9.0) < kConfigurationP && map.norm() > 1e-3)
+    answer.diagnosis.configuration.push_back(
+        {sensor, fmt::format("matrix wrong by {:.2g} % (largest entry): reads (1 + D) times the truth, D in % = "
+                             "[[{:.2f}, {:.2f}, {:.2f}], [{:.2f}, {:.2f}, {:.2f}], [{:.2f}, {:.2f}, {:.2f}]]",
+                             100.0 * map.cwiseAbs().maxCoeff(), 100 * map(0, 0), 100 * map(0, 1), 100 * map(0, 2),
+                             100 * map(1, 0), 100 * map(1, 1), 100 * map(1, 2), 100 * map(2, 0), 100 * map(2, 1),
+                             100 * map(2, 2))});
+}
+
+void residual_of(const Signals& s, const SensorSearch& search, const Finished& finished, Answer& answer) {
+  const Layout& layout = search.target.layout;
+  for (int axis = 0; axis < 3; ++axis) {
+    ChannelResidual c;
+    c.channel = fmt::format("{}_{}", kSensorName[search.sensor], kAxisName[static_cast<std::size_t>(axis)]);
+    const auto rms = [&](const Series& x) {
+      return std::sqrt((x.array().square() * layout.counts).sum() / std::max(layout.used(), 1.0));
+    };
+    c.rms_before = rms(s.residual[search.sensor].col(axis));
+    c.rms_after = rms(finished.fit.leftover.col(axis));
+    c.white = is_white(finished.fit.whitened.col(axis), layout);
+    const double sd = std::sqrt(std::max(finished.fit.nuisance_covariance(4 * axis, 4 * axis), 0.0));
+    c.smallest_seen = std::sqrt(2.0 * (charge(1, {}) + 3.0)) * sd;
+    c.unit = kSensorUnit[search.sensor];
+    answer.diagnosis.residual.push_back(c);
+  }
+}
+
+void heat_of(const Signals& s, const SensorSearch& search, Answer& answer) {
+  Target t = search.target;
+  for (const Found& f : search.found)
+    if (f.offset.size()) t.residual += f.offset;
+  t.walk.resize(0, 0);
+  const Layout& layout = t.layout;
+  const NoiseModel noise(layout, fit_profile(search.target, search.explained()).leftover);
+  const Series3 left = fit_with(t, {}, noise, {}).leftover;
+  for (int axis = 0; axis < 3; ++axis) {
+    const Series w = noise.whiten(layout, left.col(axis), axis);
+    std::vector<double> row, times;
+    for (Eigen::Index b = 0; b < layout.n; b += layout.block) {
+      const Eigen::Index length = std::min(layout.block, layout.n - b);
+      row.push_back(0.5 * (w.segment(b, length).squaredNorm() - layout.counts.segment(b, length).sum()));
+      times.push_back((static_cast<double>(b) + 0.5 * static_cast<double>(length)) * s.dt_s);
+    }
+    answer.diagnosis.heat_channels.push_back(
+        fmt::format("{}_{}", kSensorName[search.sensor], kAxisName[static_cast<std::size_t>(axis)]));
+    answer.diagnosis.heat_t_s = times;
+    answer.diagnosis.heat_nats.push_back(row);
+  }
+}
+
+}  // namespace
+
+void report_sensor(const Signals& s, const EngineResult& engine, Sensor sensor,
+                   const std::vector<sim::EffectConfig>& given, Answer& answer) {
+  const SensorSearch& search = *engine.sensor[sensor];
+  const Finished finished = finish(search);
+  std::vector<Finding> findings;
+  std::vector<sim::EffectConfig> effects;
+  // A step that leaves drift behind, where a driver was not recorded, is more likely a piece of that driver's curve.
+  const bool drifts = finished.walk_gain_nats > std::max(kDriftNats, kLeastShareOfFirst * search.first_gain);
+  const bool piece = drifts && locals(search) > 0 && !missing_drivers(s, sensor).empty();
+  const bool switched = locals(search) >= 2 || piece;
+  if (switched) findings.push_back(switching_finding(s, search, finished));
+  for (std::size_t i = 0; i < search.found.size() && !switched; ++i) {
+    const Found& f = search.found[i];
+    if (f.kind == Kind::kConfiguration) continue;
+    // The remainder of an effect already told, here or by the sensor that sees it best, is the same effect.
+    const auto same = [&](const Finding& told) { return told.effect == f.id; };
+    if (std::any_of(findings.begin(), findings.end(), same)) continue;
+    if (std::any_of(answer.diagnosis.findings.begin(), answer.diagnosis.findings.end(), same)) continue;
+    findings.push_back(finding_from(s, search, i, finished));
+    const Eigen::Index count = static_cast<Eigen::Index>(f.columns.size());
+    if (const auto e = to_effect(f, finished.values.segment(first_column(search, i), count), s.dt_s))
+      effects.push_back(*e);
+    if (f.shape_name == kTrackerShape)
+      effects.push_back({.id = "sys_tracker", .parameters = {{"tau_s", {f.shape}}}, .axes = {}, .window_s = {}});
+  }
+  const std::string drift = std::string(kSensorName[sensor]) + "_drift";
+  const bool known_drift = std::any_of(given.begin(), given.end(), [&](const auto& e) { return e.id == drift; });
+  // What drifts beside an unknown law is what its product leaves of it.
+  if (drifts && !known_drift && !switched && !search.has_unknown()) {
+    findings.push_back(drift_finding(s, search, finished));
+    sim::EffectConfig e;
+    e.id = drift;
+    const sim::EffectInfo* info = sim::find_effect(drift);
+    if (info != nullptr) {
+      e.parameters[info->parameters.front().key] = {finished.fit.walk_q[0], finished.fit.walk_q[1],
+                                                    finished.fit.walk_q[2]};
+      effects.push_back(e);
+    }
+  }
+  for (auto& f : findings) answer.diagnosis.findings.push_back(std::move(f));
+  for (auto& e : effects) answer.effects.push_back(std::move(e));
+  configuration_of(s, search, finished, answer);
+  residual_of(s, search, finished, answer);
+  heat_of(s, search, answer);
+  for (const Ranked& r : search.ranking) answer.diagnosis.ranking.push_back({r.id, r.gain_nats});
+}
+
+}  // namespace stillpoint::diag

@@ -1,0 +1,220 @@
+#include "diagnosis/reference/given_effects.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "diagnosis/reference/columns.h"
+#include "simulation/effect_catalogue.h"
+
+namespace stillpoint::diag {
+namespace {
+
+constexpr double kPpm = 1e-6;
+constexpr double kEarthRate_radps = 7.292115e-5;
+constexpr double kNoLimit_uT = 1e5;
+constexpr std::array<const char*, kSensors> kLevelKey{"L_mps2", "L_radps", "L_uT"};
+constexpr std::array<const char*, kSensors> kLineKey{"b_mps2", "b_radps", "b_uT"};
+
+std::vector<double> list(const Eigen::VectorXd& v, Eigen::Index first, Eigen::Index count) {
+  return {v.data() + first, v.data() + first + count};
+}
+
+double scalar(const sim::EffectConfig& e, const std::string& key, double fallback) {
+  const auto it = e.parameters.find(key);
+  return it == e.parameters.end() || it->second.empty() ? fallback : it->second.front();
+}
+
+/// The window in which an entry acts, in samples.
+Window window_of(const sim::EffectConfig& e, const Signals& s) {
+  Window w;
+  const double t0 = scalar(e, "t0_s", 0.0);
+  w.begin = std::clamp<Eigen::Index>(std::lround(std::max(t0, e.window_s ? e.window_s->first : 0.0) / s.dt_s), 0, s.n);
+  w.end = e.window_s ? std::clamp<Eigen::Index>(std::lround(e.window_s->second / s.dt_s), w.begin, s.n) : s.n;
+  w.local = w.begin > 0 || w.end < s.n;
+  return w;
+}
+
+/// The values of an entry in the order of the law's coefficients; empty when they do not fit it.
+std::vector<double> values_for(const Law& law, const sim::EffectConfig& e) {
+  const sim::EffectInfo* info = sim::find_effect(e.id);
+  std::vector<double> first, second;
+  for (const auto& p : info->parameters) {
+    const auto it = e.parameters.find(p.key);
+    if (p.count == 1 && law.coefficients.size() > 1) continue;
+    std::vector<double> v =
+        it != e.parameters.end() ? it->second : std::vector<double>(static_cast<std::size_t>(p.count), p.fallback);
+    if (v.size() == 1 && p.count == 3) v.resize(3, v[0]);
+    (p.required ? first : second).insert((p.required ? first : second).end(), v.begin(), v.end());
+  }
+  if (law.coefficients.size() == first.size()) return first;
+  second.insert(second.end(), first.begin(), first.end());  // temp_quad: k1 stands before k2
+  return law.coefficients.size() == second.size() ? second : std::vector<double>{};
+}
+
+bool acts_on(const sim::EffectConfig& e, int axis) {
+  return e.axes.empty() || std::find(e.axes.begin(), e.axes.end(), axis) != e.axes.end();
+}
+
+/// What a bias tracker on board lets through; the estimate itself follows every axis.
+Series3 let_through(const Signals& s, const sim::EffectConfig* tracker, Series3 delta) {
+  if (tracker == nullptr) return delta;
+  for (int axis = 0; axis < 3; ++axis)
+    if (acts_on(*tracker, axis))
+      delta.col(axis) = after_tracker(delta.col(axis), s.rest, s.dt_s, scalar(*tracker, "tau_s", 20.0));
+  return delta;
+}
+
+bool subtract_linear(Signals& s, Sensor k, const sim::EffectConfig& e, const sim::EffectConfig* tracker) {
+  const bool hidden = scalar(e, "hidden", 0.0) == 1.0;
+  for (const Law& law : make_laws(s, k)) {
+    if (law.id != e.id || law.kind != Kind::kNamed) continue;
+    std::vector<double> values = hidden ? std::vector<double>{1.0} : values_for(law, e);
+    if (e.id == "mag_sat") {
+      const auto bend = e.parameters.find("k3_per_uT_2");
+      values = bend == e.parameters.end() ? std::vector<double>{} : bend->second;
+    }
+    if (values.size() != law.coefficients.size()) continue;
+    if (e.id.ends_with("temp_quad") && values.size() == 3 && e.parameters.size() > 1) continue;
+    const double shape = hidden ? scalar(e, kLevelKey[k], 0.0) : scalar(e, "tau_s", law.shapes.front());
+    const Columns columns = in_window(law.columns(shape), window_of(e, s));
+    Series3 delta = Series3::Zero(s.n, 3);
+    for (std::size_t j = 0; j < columns.size(); ++j)
+      for (int axis = 0; axis < 3; ++axis)
+        if (const auto shown = shown_in(columns[j], axis); shown && acts_on(e, axis))
+          delta.col(axis) += values[j] * *shown;
+    s.residual[k] -= let_through(s, k == kGyr ? tracker : nullptr, std::move(delta));
+    return true;
+  }
+  return false;
+}
+
+/// Lines and flips: functions of time alone.
+bool subtract_line(Signals& s, Sensor k, const sim::EffectConfig& e) {
+  const bool coning = e.id == "gyr_coning", flip = e.id == "mag_flip";
+  if (!coning && !flip && !e.id.ends_with("_alias") && e.id != "mag_line") return false;
+  const double turn = 2.0 * std::numbers::pi * scalar(e, "f_hz", 0.0);
+  const std::vector<double>& size = e.parameters.at(coning ? "a_rad" : kLineKey[k]);
+  Series3 delta(s.n, 3);
+  for (Eigen::Index i = 0; i < s.n; ++i)
+    for (int axis = 0; axis < 3; ++axis) {
+      const double a = size[size.size() == 1 ? 0 : static_cast<std::size_t>(axis)], t = s.t_s[i];
+      const double own = coning ? e.parameters.at("p_rad")[static_cast<std::size_t>(axis)] : 0.0;
+      const double value = flip     ? (i % 2 == 0 ? a : -a)
+                           : coning ? a * turn * std::cos(turn * t + own)
+                                    : a * std::sin(turn * t + scalar(e, "phase_rad", 0.0));
+      delta(i, axis) = acts_on(e, axis) ? value : 0.0;
+    }
+  const Window w = window_of(e, s);
+  s.residual[k].middleRows(w.begin, w.end - w.begin) -= delta.middleRows(w.begin, w.end - w.begin);
+  return true;
+}
+
+bool subtract_earth(Signals& s, const sim::EffectConfig& e, double latitude_rad) {
+  const Vec3 w = scalar(e, "scale", 1.0) * kEarthRate_radps * Vec3(0.0, std::cos(latitude_rad), std::sin(latitude_rad));
+  for (int a = 0; a < 3; ++a) s.residual[kGyr] -= w[a] * s.world_axis[static_cast<std::size_t>(a)];
+  return true;
+}
+
+std::optional<Eigen::VectorXd> timing_values(const sim::EffectConfig& e, double dt_s) {
+  if (e.id == "sys_gap") return Eigen::VectorXd::Constant(1, -scalar(e, "n", 0.0) * dt_s);
+  if (e.id == "sys_skew") return Eigen::VectorXd::Constant(1, kPpm * scalar(e, "eps_ppm", 0.0));
+  if (e.id.find("resonance") != std::string::npos)
+    return Eigen::Vector2d(scalar(e, "f_hz", 100.0), scalar(e, "zeta", 0.1));
+  if (e.parameters.count("tau_s") != 0) return Eigen::VectorXd::Constant(1, scalar(e, "tau_s", 0.0));
+  return std::nullopt;
+}
+
+bool subtract_timing(Signals& s, Sensor k, const sim::EffectConfig& e) {
+  const auto values = timing_values(e, s.dt_s);
+  if (!values || e.id.find("_temp_") != std::string::npos) return false;
+  const std::string id = e.id == "sys_offset" ? std::string(kSensorName[k]) + "_delay" : e.id;
+  const Window w = window_of(e, s);
+  for (const TimingLaw& law : make_timing_laws(s, k, std::max<Eigen::Index>(w.begin, 1))) {
+    if (law.id != id) continue;
+    s.residual[k] -= law.delta(*values);
+    return true;
+  }
+  return false;
+}
+
+}  // namespace
+
+std::optional<sim::EffectConfig> to_effect(const Found& found, const Eigen::VectorXd& values, double dt_s) {
+  const sim::EffectInfo* info = sim::find_effect(found.id);
+  if (info == nullptr) return std::nullopt;
+  sim::EffectConfig e;
+  e.id = found.id;
+  const double begin = static_cast<double>(found.window.begin) * dt_s,
+               end = static_cast<double>(found.window.end) * dt_s;
+  if (found.id == "sys_gap") {
+    e.parameters = {{"n", {std::round(-values[0] / dt_s)}}, {"t0_s", {begin}}};
+    return e;
+  }
+  if (found.id == "sys_skew") {
+    e.parameters = {{"eps_ppm", {values[0] / kPpm}}};
+    return e;
+  }
+  if (found.id == "gyr_earth") {
+    e.parameters = {{"scale", {values.norm() / kEarthRate_radps}}};
+    return e;
+  }
+  if (found.id == "mag_sat") {  // the bend alone: no reading has met a limit
+    e.parameters = {{"L_uT", std::vector<double>(3, kNoLimit_uT)}, {"k3_per_uT_2", list(values, 0, 3)}};
+    return e;
+  }
+  if (found.id == "gyr_coning") {
+    const double turn = 2.0 * std::numbers::pi * found.shape;
+    for (Eigen::Index i = 0; i < 3; ++i) {
+      e.parameters["a_rad"].push_back(std::hypot(values[i], values[i + 3]) / turn);
+      e.parameters["p_rad"].push_back(std::atan2(-values[i], values[i + 3]));
+    }
+    e.parameters["f_hz"] = {found.shape};
+    return e;
+  }
+  Eigen::Index next = 0;
+  if (values.size() == 6) {  // temp_quad with its linear part
+    for (const auto& p : info->parameters) e.parameters[p.key] = list(values, p.required ? 3 : 0, 3);
+    next = 6;
+  }
+  for (const auto& p : info->parameters) {
+    if (const auto fixed = found.fixed.find(p.key); fixed != found.fixed.end())
+      e.parameters[p.key] = {fixed->second};
+    else if (p.key == "t0_s")
+      e.parameters[p.key] = {begin};
+    else if (p.symbol == "L")
+      e.parameters[p.key] = std::vector<double>(3, found.shape);
+    else if (p.key == found.shape_name + "_s" && !found.shape_name.empty())
+      e.parameters[p.key] = {found.shape};
+    else if (next + p.count <= values.size())
+      e.parameters[p.key] = list(values, next, p.count), next += p.count;
+    else if (p.required && e.parameters.count(p.key) == 0)
+      return std::nullopt;
+  }
+  if (found.window.local) e.window_s = {begin, end};
+  return e;
+}
+
+std::vector<std::string> subtract_effects(Signals& s, const std::vector<sim::EffectConfig>& effects) {
+  std::vector<std::string> unknown;
+  const auto at = std::find_if(effects.begin(), effects.end(), [](const auto& e) { return e.id == "sys_tracker"; });
+  const sim::EffectConfig* tracker = at == effects.end() ? nullptr : &*at;
+  for (const sim::EffectConfig& e : effects) {
+    bool done = e.id == "sys_tracker";
+    for (const Sensor k : {kAcc, kGyr, kMag}) {
+      if (!s.present[k] || s.residual[k].rows() == 0) continue;
+      const bool mine = e.id.rfind(std::string(kSensorName[k]) + "_", 0) == 0, common = e.id.rfind("sys_", 0) == 0;
+      if (!mine && !common) continue;
+      if (e.id == "gyr_earth")
+        done = subtract_earth(s, e, s.latitude_rad) || done;
+      else if (subtract_timing(s, k, e))
+        done = true;
+      else if (mine && (subtract_line(s, k, e) || subtract_linear(s, k, e, tracker)))
+        done = true;
+    }
+    if (!done) unknown.push_back(e.id);
+  }
+  return unknown;
+}
+
+}  // namespace stillpoint::diag

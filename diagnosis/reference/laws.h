@@ -1,0 +1,43 @@
+/// The hypotheses: what each effect of docs/physics.md predicts for one sensor's residual, as columns with units.
+/// Each law is linear in its coefficients for a given `shape` (a time constant, a level); filters are refined apart
+/// (timing.h).
+#pragma once
+#include <functional>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "diagnosis/reference/regression.h"
+
+namespace stillpoint::diag {
+
+enum class Kind {
+  kNamed,          ///< an effect of the catalogue
+  kUnknown,        ///< a product of drivers outside the catalogue
+  kConfiguration,  ///< a wrong number in the simulation, not missing physics
+  kTiming,         ///< a delay or filter: its linear form here only finds it, timing.h names it
+};
+
+/// Shape name of a law seen through an adaptive bias estimate: no effect of the catalogue has it.
+inline constexpr const char* kTrackerShape = "tracker_tau";
+
+enum class Extent { kAny, kStep, kWhole };  ///< may be local in time; must be (a constant would be the offset); never
+
+struct Law {
+  std::string id;
+  Kind kind = Kind::kNamed;
+  Extent extent = Extent::kAny;
+  std::vector<double> shapes{0.0};
+  std::string shape_name, shape_unit;   ///< empty: the law has no inner parameter
+  std::map<std::string, double> fixed;  ///< keys of the catalogue that this form of the law implies
+  std::function<Columns(double shape)> columns;
+  std::vector<std::string> coefficients;  ///< names, one a column
+  std::string unit, equation, driver;
+};
+
+/// Every law of one sensor whose drivers the recording holds. The columns refer to `s`, which must outlive them.
+[[nodiscard]] std::vector<Law> make_laws(const Signals& s, Sensor sensor);
+/// Products of drivers outside the catalogue, about a hundred a sensor.
+[[nodiscard]] std::vector<Law> make_unknown_laws(const Signals& s, Sensor sensor);
+
+}  // namespace stillpoint::diag

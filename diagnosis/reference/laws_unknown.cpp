@@ -1,0 +1,138 @@
+#include <fmt/format.h>
+
+#include <memory>
+
+#include "diagnosis/reference/columns.h"
+#include "diagnosis/reference/laws.h"
+
+namespace stillpoint::diag {
+namespace {
+
+struct Scalar {
+  std::string name;
+  Series x;
+};
+struct Vector {
+  std::string name;
+  Series3 x;
+};
+
+/// The drivers, shared by all products of one sensor: each product is made when it is looked at.
+struct Drivers {
+  std::vector<Scalar> scalars;
+  std::vector<Vector> vectors;
+};
+
+class Products {
+ public:
+  Products(const Signals& s, Sensor sensor) : sensor_(sensor), drivers_(std::make_shared<Drivers>()) {
+    auto& scalars = drivers_->scalars;
+    if (s.temperature_K.size()) scalars.push_back({"(T-T0)", s.temperature_K});
+    if (s.current_A.size()) scalars.push_back({"I", s.current_A});
+    if (s.voltage_V.size()) scalars.push_back({"(V-V0)", s.voltage_V.array() - s.voltage_V.mean()});
+    scalars.push_back({"|w|", s.rate.rowwise().norm()});
+    drivers_->vectors = {{"f", s.vector[kAcc]}, {"w", s.rate}, {"m", s.vector[kMag]}, {"dw/dt", s.rate_dot}};
+    Series force = s.vector[kAcc].rowwise().norm().array() - s.gravity_mps2;
+    for (Eigen::Index i = 0; i < s.n; ++i)
+      if (s.rest[static_cast<std::size_t>(i)]) force[i] = 0.0;  // by definition; a reading shows its own noise there
+    scalars.push_back({"|f|", force});
+  }
+
+  void scalars_and_their_products() {
+    const auto& scalars = drivers_->scalars;
+    for (std::size_t a = 0; a < scalars.size(); ++a) {
+      if (!catalogued(scalars[a].name)) add(scalars[a].name, [a](const Drivers& d) { return d.scalars[a].x; });
+      for (std::size_t b = a; b < scalars.size(); ++b) {
+        const bool square_of_temperature = a == b && scalars[a].name == "(T-T0)" && sensor_ != kMag;
+        if (!square_of_temperature)
+          add(scalars[a].name + "*" + scalars[b].name,
+              [a, b](const Drivers& d) -> Series { return d.scalars[a].x.cwiseProduct(d.scalars[b].x); });
+      }
+    }
+  }
+
+  void vectors_and_scalars() {
+    const auto& [scalars, vectors] = *drivers_;
+    for (std::size_t v = 0; v < vectors.size(); ++v) {
+      for (std::size_t a = 0; a < scalars.size(); ++a) {
+        const bool catalogued = v == static_cast<std::size_t>(sensor_) && scalars[a].name == "(T-T0)";
+        if (!catalogued)
+          add_vector(vectors[v].name + "*" + scalars[a].name,
+                     [v, a](const Drivers& d) -> Series3 { return d.scalars[a].x.asDiagonal() * d.vectors[v].x; });
+        for (int j = 0; j < 3; ++j)
+          add(fmt::format("{}*{}", component(v, j), scalars[a].name),
+              [v, a, j](const Drivers& d) -> Series { return d.scalars[a].x.cwiseProduct(d.vectors[v].x.col(j)); });
+      }
+      const bool linear = v == static_cast<std::size_t>(sensor_) || (sensor_ == kGyr && v == 0);
+      if (linear) continue;
+      add_vector(vectors[v].name, [v](const Drivers& d) { return d.vectors[v].x; });
+      for (int j = 0; j < 3; ++j)
+        add(component(v, j), [v, j](const Drivers& d) -> Series { return d.vectors[v].x.col(j); });
+    }
+  }
+
+  void vectors_and_vectors() {
+    for (std::size_t v = 0; v < 3; ++v)
+      for (std::size_t u = v; u < 3; ++u)
+        for (int i = 0; i < 3; ++i)
+          for (int j = (u == v ? i : 0); j < 3; ++j)
+            add(component(v, i) + "*" + component(u, j), [v, u, i, j](const Drivers& d) -> Series {
+              return d.vectors[v].x.col(i).cwiseProduct(d.vectors[u].x.col(j));
+            });
+  }
+
+  /// An offset that is there for a while, by no driver at all: the plain rival of whatever is local in time.
+  void offset_for_a_while(Eigen::Index n) {
+    add("offset(t)", [n](const Drivers&) -> Series { return Series::Ones(n); });
+    laws_.back().extent = Extent::kStep;
+    laws_.back().equation = "an offset fixed in the body, for a while";
+    laws_.back().driver = "something that is not in the recording";
+  }
+
+  std::vector<Law> take() { return std::move(laws_); }
+
+ private:
+  [[nodiscard]] bool catalogued(const std::string& scalar) const {
+    return scalar == "(T-T0)" || (scalar == "(V-V0)" && sensor_ != kMag) || (scalar == "I" && sensor_ == kMag);
+  }
+  [[nodiscard]] std::string component(std::size_t v, int axis) const {
+    return fmt::format("{}_{}", drivers_->vectors[v].name, kAxisName[static_cast<std::size_t>(axis)]);
+  }
+
+  template <class Make>
+  void add(const std::string& name, Make make) {
+    add_columns(name, [d = drivers_, make](double) { return on_each_axis(make(*d)); });
+  }
+  template <class Make>
+  void add_vector(const std::string& name, Make make) {
+    add_columns(name, [d = drivers_, make](double) { return diagonal(make(*d)); });
+  }
+  void add_columns(const std::string& name, std::function<Columns(double)> columns) {
+    Law law;
+    law.id = "unknown:" + name;
+    law.kind = Kind::kUnknown;
+    law.columns = std::move(columns);
+    law.coefficients = {"k_x", "k_y", "k_z"};
+    law.unit = "see driver";
+    law.equation = "delta = k " + name;
+    law.driver = name;
+    laws_.push_back(std::move(law));
+  }
+
+  Sensor sensor_;
+  std::shared_ptr<Drivers> drivers_;
+  std::vector<Law> laws_;
+};
+
+}  // namespace
+
+std::vector<Law> make_unknown_laws(const Signals& s, Sensor sensor) {
+  Products products(s, sensor);
+  products.scalars_and_their_products();
+  products.vectors_and_scalars();
+  products.vectors_and_vectors();
+  if (sensor != kMag) products.offset_for_a_while(s.n);
+  return products.take();
+}
+
+}  // namespace stillpoint::diag

@@ -1,0 +1,142 @@
+#include "diagnosis/reference/lines.h"
+
+#include <Eigen/SVD>
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <unsupported/Eigen/FFT>
+
+#include "diagnosis/reference/columns.h"
+
+namespace stillpoint::diag {
+namespace {
+
+constexpr Eigen::Index kBand = 128;      // bins that share one background
+constexpr double kLeastOverMean = 35.0;  // sum of three periodograms over their background: chance 2e-13 a bin
+constexpr double kLowest_Hz = 0.5;       // slower is motion and drift
+constexpr double kOwnPhaseNats = 8.0;    // phases of their own that are worth three numbers more
+constexpr int kRefinements = 24;
+
+/// Power of the three axes at each bin 0..n/2 over the background of its neighbourhood: mean 3 where there is noise.
+Series over_background(const Series3& x) {
+  const Eigen::Index n = x.rows(), bins = n / 2 + 1;
+  Eigen::FFT<double> fft;
+  Series sum = Series::Zero(bins);
+  for (int axis = 0; axis < 3; ++axis) {
+    Eigen::VectorXcd spectrum;
+    const Series column = x.col(axis);
+    fft.fwd(spectrum, column);
+    const Series power = spectrum.head(bins).cwiseAbs2();
+    for (Eigen::Index first = 0; first < bins; first += kBand) {
+      const Eigen::Index last = bins - first < 2 * kBand ? bins : first + kBand;
+      std::vector<double> sorted(power.data() + first, power.data() + last);
+      std::nth_element(sorted.begin(), sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2), sorted.end());
+      const double mean = sorted[sorted.size() / 2] / std::numbers::ln2;  // median of an exponential
+      sum.segment(first, last - first) += power.segment(first, last - first) / std::max(mean, 1e-300);
+      if (last == bins) break;
+    }
+  }
+  return sum;
+}
+
+/// Amplitudes of sine and cosine at one frequency, per axis (3 x 2).
+Eigen::Matrix<double, 3, 2> amplitudes(const Series3& x, const Series& t_s, double frequency_Hz) {
+  const Eigen::ArrayXd phase = 2.0 * std::numbers::pi * frequency_Hz * t_s.array();
+  Eigen::MatrixXd design(x.rows(), 2);
+  design << phase.sin(), phase.cos();
+  return 2.0 / static_cast<double>(x.rows()) * x.transpose() * design;
+}
+
+double refined(const Series3& x, const Series& t_s, double frequency_Hz, double bin_Hz) {
+  constexpr double kGolden = 0.6180339887498949;
+  double low = frequency_Hz - bin_Hz, high = frequency_Hz + bin_Hz;
+  for (int i = 0; i < kRefinements; ++i) {
+    const double a = high - kGolden * (high - low), b = low + kGolden * (high - low);
+    (amplitudes(x, t_s, a).squaredNorm() > amplitudes(x, t_s, b).squaredNorm() ? high : low) =
+        amplitudes(x, t_s, a).squaredNorm() > amplitudes(x, t_s, b).squaredNorm() ? b : a;
+  }
+  return 0.5 * (low + high);
+}
+
+Found flip(const Target& t) {
+  Found f;
+  f.id = "mag_flip";
+  f.unit = kSensorUnit[t.sensor];
+  f.names = {"b_x", "b_y", "b_z"};
+  f.equation = "delta = b (-1)^k";
+  f.driver = "sample parity";
+  Series parity(t.layout.n);
+  for (Eigen::Index i = 0; i < parity.size(); ++i) parity[i] = i % 2 == 0 ? 1.0 : -1.0;
+  f.columns = on_each_axis(parity);
+  return f;
+}
+
+/// One phase for all axes where that explains as much, sine and cosine of each axis else.
+Found line(const Target& t, const Series& t_s, double frequency_Hz, const Eigen::Matrix<double, 3, 2>& amplitude,
+           double nats_of_own_phases) {
+  Found f;
+  f.id = std::string(kSensorName[t.sensor]) + (t.sensor == kMag ? "_line" : "_alias");
+  f.unit = kSensorUnit[t.sensor];
+  f.equation = "delta = b sin(2 pi f t + phase)";
+  f.driver = "time: a line at one frequency, or folded to it from beyond half the sampling rate";
+  f.shape = frequency_Hz;
+  f.shape_name = "f";
+  f.shape_unit = "Hz";
+  f.fixed["f_hz"] = frequency_Hz;
+  const Eigen::ArrayXd angle = 2.0 * std::numbers::pi * frequency_Hz * t_s.array();
+  if (nats_of_own_phases < kOwnPhaseNats) {
+    const Eigen::JacobiSVD<Eigen::MatrixXd> svd(amplitude, Eigen::ComputeThinV);
+    const double phase = std::atan2(svd.matrixV()(1, 0), svd.matrixV()(0, 0));
+    f.fixed["phase_rad"] = phase;
+    f.names = {"b_x", "b_y", "b_z"};
+    f.columns = on_each_axis((angle + phase).sin());
+    return f;
+  }
+  if (t.sensor == kGyr) f.id = "gyr_coning";
+  f.equation = "delta_i = s_i sin(2 pi f t) + c_i cos(2 pi f t)";
+  f.names = {"s_x", "s_y", "s_z", "c_x", "c_y", "c_z"};
+  f.columns = on_each_axis(angle.sin());
+  const Columns cosines = on_each_axis(angle.cos());
+  f.columns.insert(f.columns.end(), cosines.begin(), cosines.end());
+  return f;
+}
+
+}  // namespace
+
+std::optional<Found> line_in(const SensorSearch& search) {
+  Target plain = search.target;
+  plain.walk.resize(0, 0);
+  plain.layout.order = 0;
+  Series3 left = fit_with(plain, search.explained(), NoiseModel(plain.layout, plain.residual), {}).leftover;
+  for (int axis = 0; axis < 3; ++axis) left.col(axis).array() *= plain.layout.present;
+  const Series power = over_background(left);
+  const double bin_Hz = 1.0 / (static_cast<double>(left.rows()) * plain.dt_s);
+  const auto lowest = static_cast<Eigen::Index>(std::ceil(kLowest_Hz / bin_Hz));
+  if (power.size() < lowest + kBand) return std::nullopt;
+  Eigen::Index at = 0;
+  if (power.tail(power.size() - lowest).maxCoeff(&at) < kLeastOverMean) return std::nullopt;
+  at += lowest;
+  // A resonance or the motion itself is broad; a line is not.
+  const Eigen::Index near = std::max<Eigen::Index>(at - 12, 0), far = std::min(at + 12, power.size() - 1);
+  std::vector<double> around(power.data() + near, power.data() + far + 1);
+  std::nth_element(around.begin(), around.begin() + static_cast<std::ptrdiff_t>(around.size() / 2), around.end());
+  if (power[at] < 0.3 * kLeastOverMean * around[around.size() / 2]) return std::nullopt;
+  Found f;
+  if (at >= power.size() - 2 && left.rows() % 2 == 0) {
+    if (plain.sensor != kMag) return std::nullopt;
+    f = flip(plain);
+  } else {
+    const double frequency_Hz = refined(left, search.t_s, static_cast<double>(at) * bin_Hz, bin_Hz);
+    const auto amplitude = amplitudes(left, search.t_s, frequency_Hz);
+    const Eigen::JacobiSVD<Eigen::MatrixXd> svd(amplitude);
+    const double strong = svd.singularValues()[0], weak = svd.singularValues()[1];
+    const double nats = 0.5 * power[at] * weak * weak / (strong * strong);
+    f = line(plain, search.t_s, frequency_Hz, amplitude, nats);
+    f.shape_sd = std::sqrt(12.0) / (2.0 * std::numbers::pi * plain.duration_s * std::sqrt(power[at]));
+  }
+  f.kind = Kind::kNamed;
+  f.units.assign(f.names.size(), f.unit);
+  return f;
+}
+
+}  // namespace stillpoint::diag

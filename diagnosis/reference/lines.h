@@ -1,0 +1,15 @@
+/// Sharp lines in a residual: mains or motor interference folded into the band, and flips of polarity from sample to
+/// sample. Their frequency is not on any grid of the scan, and an autoregression takes them for noise: they are looked
+/// for in the periodogram of the residual itself.
+#pragma once
+#include <optional>
+
+#include "diagnosis/reference/selection.h"
+
+namespace stillpoint::diag {
+
+/// acc_alias, gyr_alias or gyr_coning, mag_line; mag_flip where the line lies at half the sampling rate. The gain is
+/// left to the caller.
+[[nodiscard]] std::optional<Found> line_in(const SensorSearch& search);
+
+}  // namespace stillpoint::diag

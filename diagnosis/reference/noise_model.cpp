@@ -1,0 +1,140 @@
+#include "diagnosis/reference/noise_model.h"
+
+#include <cmath>
+#include <complex>
+#include <numbers>
+
+namespace stillpoint::diag {
+namespace {
+
+constexpr double kFewestRegime_s = 8.0;     // less than this of one regime gives no autoregression of its own
+constexpr double kMutedForNoMemory = 0.25;  // with more holes than this, no filter of 16 samples fits between them
+
+/// Levinson-Durbin on autocorrelations of lag 0..order. Returns the prediction coefficients.
+Eigen::VectorXd levinson(const Eigen::VectorXd& r) {
+  const Eigen::Index order = r.size() - 1;
+  Eigen::VectorXd a = Eigen::VectorXd::Zero(order);
+  double error = r[0];
+  for (Eigen::Index k = 0; k < order && error > 0; ++k) {
+    double acc = r[k + 1];
+    for (Eigen::Index j = 0; j < k; ++j) acc -= a[j] * r[k - j];
+    const double reflection = acc / error;
+    const Eigen::VectorXd old = a;
+    a[k] = reflection;
+    for (Eigen::Index j = 0; j < k; ++j) a[j] = old[j] - reflection * old[k - 1 - j];
+    error *= 1.0 - reflection * reflection;
+  }
+  return a;
+}
+
+}  // namespace
+
+Layout make_layout(const Signals& s, Sensor sensor) {
+  Layout layout;
+  layout.n = s.n;
+  layout.block = std::max<Eigen::Index>(20, static_cast<Eigen::Index>(std::lround(kScaleBlock_s / s.dt_s)));
+  layout.present = Eigen::ArrayXd::Ones(s.n);
+  for (Eigen::Index i = 0; i < s.n; ++i)
+    if (s.muted[sensor][static_cast<std::size_t>(i)]) layout.present[i] = 0.0;
+  Eigen::Index resting = 0;
+  for (const char r : s.rest) resting += r;
+  const double fewest = kFewestRegime_s / s.dt_s;
+  const bool split =
+      !s.exact_reference && static_cast<double>(resting) > fewest && static_cast<double>(s.n - resting) > fewest;
+  layout.regimes = split ? 2 : 1;
+  if (layout.present.mean() < 1.0 - kMutedForNoMemory) layout.order = 0;
+  layout.counts = layout.present;
+  const auto regime_of = [&](Eigen::Index i) { return split && s.rest[static_cast<std::size_t>(i)] ? 1 : 0; };
+  Eigen::Index since_break = 0;
+  for (Eigen::Index i = 0; i < s.n; ++i) {
+    if (i == 0 || regime_of(i) != layout.segments.back().regime) {
+      if (i > 0) layout.segments.back().end = i;
+      layout.segments.push_back({i, s.n, regime_of(i)});
+      since_break = 0;
+    }
+    if (layout.present[i] == 0.0) since_break = -1;
+    if (since_break < layout.order) layout.counts[i] = 0.0;
+    ++since_break;
+  }
+  return layout;
+}
+
+NoiseModel::NoiseModel(const Layout& layout, const Series3& leftover) : inverse_scale_(layout.n, 3) {
+  for (int axis = 0; axis < 3; ++axis) {
+    for (int regime = 0; regime < layout.regimes; ++regime) {
+      Eigen::ArrayXd x = Eigen::ArrayXd::Zero(layout.n);
+      for (const Segment& g : layout.segments)
+        if (g.regime == regime)
+          x.segment(g.begin, g.end - g.begin) = leftover.col(axis).segment(g.begin, g.end - g.begin).array() *
+                                                layout.present.segment(g.begin, g.end - g.begin);
+      Eigen::VectorXd r(layout.order + 1);
+      for (int lag = 0; lag <= layout.order; ++lag) r[lag] = (x.head(layout.n - lag) * x.tail(layout.n - lag)).sum();
+      r[0] = r[0] * (1.0 + 1e-9) + 1e-300;
+      coefficients_[static_cast<std::size_t>(regime)][static_cast<std::size_t>(axis)] = levinson(r);
+    }
+    const Eigen::ArrayXd e = filter(layout, leftover.col(axis), axis).array() * layout.counts;
+    std::array<double, 2> sum{}, count{};
+    for (const Segment& g : layout.segments) {
+      sum[static_cast<std::size_t>(g.regime)] += e.segment(g.begin, g.end - g.begin).square().sum();
+      count[static_cast<std::size_t>(g.regime)] += layout.counts.segment(g.begin, g.end - g.begin).sum();
+    }
+    innovation_sd_[static_cast<std::size_t>(axis)] = std::sqrt((sum[0] + sum[1]) / std::max(count[0] + count[1], 1.0));
+    for (std::size_t c = 0; c < 2; ++c)
+      variance_[c][static_cast<std::size_t>(axis)] = std::max(sum[c] / std::max(count[c], 1.0), 1e-24);
+    for (const Segment& g : layout.segments) {
+      const double typical = variance_[static_cast<std::size_t>(g.regime)][static_cast<std::size_t>(axis)];
+      for (Eigen::Index b = g.begin; b < g.end; b += layout.block) {
+        const Eigen::Index length = std::min(layout.block, g.end - b);
+        const double here = layout.counts.segment(b, length).sum();
+        // Half of the evidence for a block's scale is the recording's: a local effect must not hide as local noise.
+        const double prior = static_cast<double>(layout.block);
+        const double variance = (e.segment(b, length).square().sum() + prior * typical) / (here + prior);
+        inverse_scale_.col(axis).segment(b, length).setConstant(1.0 / std::sqrt(variance));
+      }
+    }
+    log_scale_sum_ += (inverse_scale_.col(axis).array().log() * layout.counts).sum();
+  }
+}
+
+Series NoiseModel::filter(const Layout& layout, const Series& x, int axis) const {
+  constexpr Eigen::Index kAtOnce = 8;  // so many sums stay in registers
+  Series out = x;
+  for (const Segment& g : layout.segments) {
+    const Eigen::VectorXd& a = coefficients_[static_cast<std::size_t>(g.regime)][static_cast<std::size_t>(axis)];
+    Eigen::Index i = g.begin;
+    for (; i < std::min(g.begin + a.size(), g.end); ++i)  // the memory does not reach before the segment
+      for (Eigen::Index j = 0; j < i - g.begin; ++j) out[i] -= a[j] * x[i - j - 1];
+    for (; i + kAtOnce <= g.end; i += kAtOnce) {
+      Eigen::Array<double, kAtOnce, 1> sum = x.segment<kAtOnce>(i);
+      for (Eigen::Index j = 0; j < a.size(); ++j) sum -= a[j] * x.segment<kAtOnce>(i - j - 1).array();
+      out.segment<kAtOnce>(i) = sum;
+    }
+    for (; i < g.end; ++i)
+      for (Eigen::Index j = 0; j < a.size(); ++j) out[i] -= a[j] * x[i - j - 1];
+  }
+  return out;
+}
+
+Series NoiseModel::whiten(const Layout& layout, const Series& x, int axis) const {
+  return filter(layout, x, axis).array() * inverse_scale_.col(axis).array() * layout.counts;
+}
+
+Series NoiseModel::density(const Layout& layout, const Series& frequency_hz, double dt_s, int axis) const {
+  std::array<double, 2> share{};
+  for (const Segment& g : layout.segments)
+    share[static_cast<std::size_t>(g.regime)] += static_cast<double>(g.end - g.begin) / static_cast<double>(layout.n);
+  Series out = Series::Zero(frequency_hz.size());
+  for (std::size_t regime = 0; regime < share.size(); ++regime) {
+    const Eigen::VectorXd& a = coefficients_[regime][static_cast<std::size_t>(axis)];
+    const double level = 2.0 * dt_s * share[regime] * variance_[regime][static_cast<std::size_t>(axis)];
+    for (Eigen::Index i = 0; i < out.size(); ++i) {
+      std::complex<double> filter = 1.0;
+      for (Eigen::Index j = 0; j < a.size(); ++j)
+        filter -= std::polar(1.0, -2.0 * std::numbers::pi * frequency_hz[i] * dt_s * static_cast<double>(j + 1)) * a[j];
+      out[i] += level / std::norm(filter);
+    }
+  }
+  return out;
+}
+
+}  // namespace stillpoint::diag

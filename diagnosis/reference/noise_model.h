@@ -1,0 +1,58 @@
+/// The noise of one sensor's residual: per axis an autoregression, with a scale that may change every two seconds,
+/// apart for rest and motion where the reference is noisy (at rest nothing moves, so the reference's noise is not in
+/// the residual). Whitening with it is what keeps every later statistic honest.
+#pragma once
+#include <vector>
+
+#include "diagnosis/reference/signals.h"
+
+namespace stillpoint::diag {
+
+inline constexpr int kAutoregressiveOrder = 16;
+inline constexpr double kScaleBlock_s = 2.0;
+
+/// A run of samples [begin, end) under one regime.
+struct Segment {
+  Eigen::Index begin = 0, end = 0;
+  int regime = 0;
+};
+
+/// Which samples count, and under which regime.
+struct Layout {
+  Eigen::Index n = 0;
+  std::vector<Segment> segments;
+  Eigen::ArrayXd counts;   ///< 1: the whitened sample is used, 0: not (muted, or its history is)
+  Eigen::ArrayXd present;  ///< 1: the raw sample is valid
+  int regimes = 1;
+  int order = kAutoregressiveOrder;
+  Eigen::Index block = 100;  ///< samples of one scale block
+  [[nodiscard]] double used() const { return counts.sum(); }
+};
+
+[[nodiscard]] Layout make_layout(const Signals& s, Sensor sensor);
+
+class NoiseModel {
+ public:
+  /// Fitted to what a model leaves over (n x 3).
+  NoiseModel(const Layout& layout, const Series3& leftover);
+
+  /// Applies the filter and the scale of one axis; samples that do not count become 0.
+  [[nodiscard]] Series whiten(const Layout& layout, const Series& x, int axis) const;
+  /// One-sided power density at the given frequencies, unit^2/Hz; the regimes weigh as long as they last.
+  [[nodiscard]] Series density(const Layout& layout, const Series& frequency_hz, double dt_s, int axis) const;
+  /// Sum of -log(scale) over the samples that count: the part of the log-likelihood that is not in the whitened
+  /// residual.
+  [[nodiscard]] double log_scale_sum() const { return log_scale_sum_; }
+  /// rms of the innovations of one axis, unit of the sensor.
+  [[nodiscard]] double innovation_sd(int axis) const { return innovation_sd_[static_cast<std::size_t>(axis)]; }
+
+ private:
+  [[nodiscard]] Series filter(const Layout& layout, const Series& x, int axis) const;
+  std::array<std::array<Eigen::VectorXd, 3>, 2> coefficients_;  ///< [regime][axis]
+  std::array<std::array<double, 3>, 2> variance_{};             ///< of the innovations, [regime][axis]
+  Series3 inverse_scale_;
+  double log_scale_sum_ = 0.0;
+  std::array<double, 3> innovation_sd_{};
+};
+
+}  // namespace stillpoint::diag

@@ -1,0 +1,175 @@
+#include "diagnosis/reference/refine.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace stillpoint::diag {
+namespace {
+
+constexpr int kEdgeSteps = 5;
+constexpr double kEdgeReach_s = 1.0;
+
+/// Where a gap of the fitted length begins, to the sample: the evidence summed up has its turning point there.
+Eigen::Index refine_gap(const Signals& s, const SensorSearch& search, const NoiseModel& noise, Eigen::Index begin) {
+  const auto gap_law = [&](Eigen::Index from) {
+    for (TimingLaw& law : make_timing_laws(s, search.sensor, from))
+      if (law.id == "sys_gap") return law;
+    return TimingLaw{};
+  };
+  const TimingLaw rough = gap_law(begin), everywhere = gap_law(1);
+  const TimingFit fit = fit_timing(search.target, search.explained(), noise, rough);
+  if (fit.gain_nats < 0) return begin;
+  Target shifted = search.target;
+  shifted.residual -= fit.delta;
+  const Series3 without = fit_with(shifted, search.explained(), noise, {}).leftover + fit.delta;
+  const Series3 with = without - everywhere.delta(fit.parameters);
+  Series evidence = Series::Zero(s.n);
+  for (int axis = 0; axis < 3; ++axis)
+    evidence += noise.whiten(search.target.layout, without.col(axis), axis).cwiseAbs2() -
+                noise.whiten(search.target.layout, with.col(axis), axis).cwiseAbs2();
+  for (Eigen::Index i = 1; i < s.n; ++i) evidence[i] += evidence[i - 1];
+  Eigen::Index at = 0;
+  evidence.minCoeff(&at);
+  return std::clamp<Eigen::Index>(at, 1, s.n - 1);
+}
+
+/// One pass: the best edges within reach of the given ones.
+Window moved_edges(const Target& target, const Columns& explained, const Columns& everywhere, const Window& window,
+                   const NoiseModel& noise) {
+  const Fit fit = fit_with(target, joined(explained, in_window(everywhere, window)), noise, {});
+  Series3 with = fit.leftover;  // the law switched on in the whole recording
+  const auto first = static_cast<Eigen::Index>(explained.size());
+  for (std::size_t j = 0; j < everywhere.size(); ++j) {
+    const double theta = fit.theta[first + static_cast<Eigen::Index>(j)];
+    const Columns windowed = in_window({everywhere[j]}, window);
+    for (int axis = 0; axis < 3; ++axis)
+      if (const auto all = shown_in(everywhere[j], axis))
+        with.col(axis) -= theta * (*all - *shown_in(windowed[0], axis));
+  }
+  Series3 without = fit.leftover;
+  for (std::size_t j = 0; j < everywhere.size(); ++j) {
+    const Columns windowed = in_window({everywhere[j]}, window);
+    for (int axis = 0; axis < 3; ++axis)
+      if (const auto in = shown_in(windowed[0], axis))
+        without.col(axis) += fit.theta[first + static_cast<Eigen::Index>(j)] * *in;
+  }
+  Series evidence = Series::Zero(target.layout.n);
+  // The noise beside the effect: with the effect in it, an autoregression would smear the edges.
+  const NoiseModel beside(target.layout, fit.leftover);
+  for (int axis = 0; axis < 3; ++axis)
+    evidence += 0.5 * (beside.whiten(target.layout, without.col(axis), axis).cwiseAbs2() -
+                       beside.whiten(target.layout, with.col(axis), axis).cwiseAbs2());
+  for (Eigen::Index i = 1; i < evidence.size(); ++i) evidence[i] += evidence[i - 1];
+  Window out = window;
+  const auto reach = static_cast<Eigen::Index>(kEdgeReach_s / target.dt_s);
+  const auto clip = [&](Eigen::Index i) { return std::clamp<Eigen::Index>(i, 1, target.layout.n - 1); };
+  if (window.begin > 0) {
+    Eigen::Index at = 0;
+    const Eigen::Index lo = clip(window.begin - reach), hi = clip(window.begin + reach);
+    evidence.segment(lo - 1, hi - lo + 1).minCoeff(&at);
+    out.begin = lo + at;
+  }
+  if (window.end < target.layout.n) {
+    Eigen::Index at = 0;
+    const Eigen::Index lo = clip(window.end - reach), hi = clip(window.end + reach);
+    evidence.segment(lo - 1, hi - lo + 1).maxCoeff(&at);
+    out.end = lo + at;
+  }
+  return out;
+}
+
+}  // namespace
+
+Window refine_window(const Target& target, const Columns& explained, const Law& law, const Candidate& c,
+                     const NoiseModel& noise) {
+  const Columns everywhere = law.columns(c.shape);
+  Window window = c.window;
+  for (int step = 0; step < kEdgeSteps; ++step) {
+    const Window moved = moved_edges(target, explained, everywhere, window, noise);
+    if (moved.begin == window.begin && moved.end == window.end) break;
+    if (static_cast<double>(moved.end - moved.begin) * target.dt_s < shortest_s(law.extent)) break;
+    window = moved;
+  }
+  return window;
+}
+
+Found found_from(const Law& law, const Candidate& c, Columns columns) {
+  Found f;
+  f.id = law.id;
+  f.kind = law.kind;
+  f.window = c.window;
+  f.shape = c.shape;
+  f.shape_name = law.shape_name;
+  f.shape_unit = law.shape_unit;
+  f.unit = law.unit;
+  f.equation = law.equation;
+  f.driver = law.driver;
+  f.names = law.coefficients;
+  f.units.assign(law.coefficients.size(), law.unit);
+  f.columns = std::move(columns);
+  f.fixed = law.fixed;
+  if (!law.shape_name.empty())
+    f.at_shape = [columns_of = law.columns, window = c.window](double shape) {
+      return in_window(columns_of(shape), window);
+    };
+  return f;
+}
+
+void refine_shape(const Target& target, const Columns& explained, const std::vector<double>& grid, Found& f) {
+  constexpr int kSections = 12;
+  constexpr double kGolden = 0.6180339887498949, kBeyond = 3.0;
+  const NoiseModel noise(target.layout, fit_profile(target, joined(explained, f.columns)).leftover);
+  const auto gain = [&](double log_shape) {
+    return fit_with(target, joined(explained, f.at_shape(std::exp(log_shape))), noise, {}).log_likelihood;
+  };
+  const auto at = std::find(grid.begin(), grid.end(), f.shape);
+  double low = std::log(at == grid.begin() ? grid.front() / kBeyond : *std::prev(at));
+  double high = std::log(std::next(at) == grid.end() ? grid.back() * kBeyond : *std::next(at));
+  double a = high - kGolden * (high - low), b = low + kGolden * (high - low);
+  double gain_a = gain(a), gain_b = gain(b);
+  for (int i = 0; i < kSections; ++i) {
+    if (gain_a > gain_b) {
+      high = b, b = a, gain_b = gain_a, a = high - kGolden * (high - low), gain_a = gain(a);
+    } else {
+      low = a, a = b, gain_a = gain_b, b = low + kGolden * (high - low), gain_b = gain(b);
+    }
+  }
+  f.shape = std::exp(0.5 * (low + high));
+  f.columns = f.at_shape(f.shape);
+}
+
+std::vector<Found> refine_timing(const Signals& s, const SensorSearch& search, const std::vector<Candidate>& shortlist,
+                                 const NoiseModel& noise) {
+  bool wanted = false;
+  Eigen::Index gap_begin = 0;
+  for (const Candidate& c : shortlist) {
+    const Law& law = search.law(c.law);
+    if (law.kind != Kind::kTiming) continue;
+    wanted = true;
+    if (law.id == "sys_gap" && c.window.end == s.n && gap_begin == 0)
+      gap_begin = refine_window(search.target, search.explained(), law, c, noise).begin;
+  }
+  std::vector<Found> out;
+  if (!wanted) return out;
+  if (gap_begin > 0) gap_begin = refine_gap(s, search, noise, gap_begin);
+  for (const TimingLaw& law : make_timing_laws(s, search.sensor, gap_begin)) {
+    if (std::find(search.deleted.begin(), search.deleted.end(), law.id) != search.deleted.end()) continue;
+    const TimingFit fit = fit_timing(search.target, search.explained(), noise, law);
+    if (fit.gain_nats < 0) continue;
+    Found f;
+    f.id = law.id;
+    f.kind = Kind::kTiming;
+    f.window = law.id == "sys_gap" ? Window{true, gap_begin, s.n} : Window{};
+    f.equation = law.equation;
+    f.driver = law.driver;
+    f.names = law.names;
+    f.units = law.units;
+    f.columns = fit.tangent;
+    f.offset = fit.delta;
+    f.timing = fit.parameters;
+    out.push_back(std::move(f));
+  }
+  return out;
+}
+
+}  // namespace stillpoint::diag

@@ -1,0 +1,63 @@
+/// Generalised least squares of one sensor's residual on the candidate physics, with a new bias and matrix fitted
+/// beside it always, and a random walk where the recording needs one.
+#pragma once
+#include <optional>
+#include <vector>
+
+#include "diagnosis/reference/noise_model.h"
+#include "diagnosis/reference/signals.h"
+
+namespace stillpoint::diag {
+
+/// One coefficient's contribution to the residual: n x 1 in the given axis, or n x 3 in all of them (axis -1).
+struct Column {
+  int axis = -1;
+  Eigen::MatrixXd x;
+};
+using Columns = std::vector<Column>;
+
+/// The column as it shows in one axis; empty where it does not.
+[[nodiscard]] inline std::optional<Series> shown_in(const Column& c, int axis) {
+  if (c.axis >= 0 && c.axis != axis) return std::nullopt;
+  return Series(c.axis >= 0 ? c.x.col(0) : c.x.col(axis));
+}
+
+[[nodiscard]] inline Columns joined(Columns a, const Columns& b) {
+  a.insert(a.end(), b.begin(), b.end());
+  return a;
+}
+
+/// One sensor's side of the problem, the same for every hypothesis.
+struct Target {
+  Sensor sensor = kAcc;
+  Layout layout;
+  Series3 residual;
+  Eigen::MatrixXd nuisance;  ///< n x 4: one and the true vector; each axis has its own four coefficients
+  Eigen::MatrixXd walk;      ///< n x K cosines of a random walk on the recording's length; empty: not allowed
+  double duration_s = 0.0;
+  double dt_s = 0.0;
+};
+
+[[nodiscard]] Target make_target(const Signals& s, Sensor sensor);
+/// cos(k pi t / T), k = 1..K, down to periods of about 8 s.
+[[nodiscard]] Eigen::MatrixXd walk_basis(const Signals& s);
+
+struct Fit {
+  Eigen::VectorXd theta;       ///< of the candidate columns
+  Eigen::MatrixXd covariance;  ///< of theta
+  Eigen::VectorXd nuisance;    ///< 12: per axis offset and three of the matrix
+  Eigen::MatrixXd nuisance_covariance;
+  Series3 leftover;                ///< residual minus everything fitted
+  Series3 whitened;                ///< of leftover
+  double log_likelihood = 0.0;     ///< marginal over the walk
+  std::array<double, 3> walk_q{};  ///< unit / sqrt(s)
+};
+
+/// With a given noise model, no walk re-estimated: for refining parameters.
+[[nodiscard]] Fit fit_with(const Target& target, const Columns& columns, const NoiseModel& noise,
+                           const std::array<double, 3>& walk_q);
+
+/// Noise and walk are estimated with the candidate inside, alternating to convergence.
+[[nodiscard]] Fit fit_profile(const Target& target, const Columns& columns);
+
+}  // namespace stillpoint::diag

@@ -1,0 +1,82 @@
+#include "diagnosis/reference/response.h"
+
+#include <cmath>
+#include <numbers>
+#include <unsupported/Eigen/FFT>
+
+namespace stillpoint::diag {
+namespace {
+
+using Complex = std::complex<double>;
+
+/// kissfft is fast on products of 2, 3 and 5 only.
+Eigen::Index smooth_length(Eigen::Index at_least) {
+  for (Eigen::Index n = at_least;; ++n) {
+    Eigen::Index rest = n;
+    for (const Eigen::Index factor : {2, 3, 5})
+      while (rest % factor == 0) rest /= factor;
+    if (rest == 1) return n;
+  }
+}
+
+Complex laplace(double frequency_Hz) { return {0.0, 2.0 * std::numbers::pi * frequency_Hz}; }
+
+}  // namespace
+
+Series3 apply_response(const Series3& x, double dt_s, const Response& gain) {
+  const Eigen::Index n = x.rows();
+  const Eigen::Index half = smooth_length(n);
+  const Eigen::Index length = 2 * half;
+  std::vector<Complex> gains(static_cast<std::size_t>(length));
+  for (Eigen::Index k = 0; k <= half; ++k) {
+    const Complex g = gain(static_cast<double>(k) / (static_cast<double>(length) * dt_s));
+    gains[static_cast<std::size_t>(k)] = g;
+    gains[static_cast<std::size_t>((length - k) % length)] = std::conj(g);
+  }
+  gains[static_cast<std::size_t>(half)] = gains[static_cast<std::size_t>(half)].real();
+  Eigen::FFT<double> fft;
+  Series3 out(n, 3);
+  std::vector<Complex> time(static_cast<std::size_t>(length)), spectrum;
+  for (int axis = 0; axis < 3; ++axis) {
+    for (Eigen::Index i = 0; i < length; ++i) {
+      const Eigen::Index mirrored = i < half ? i : length - 1 - i;
+      time[static_cast<std::size_t>(i)] = x(std::min(mirrored, n - 1), axis);
+    }
+    fft.fwd(spectrum, time);
+    for (std::size_t k = 0; k < spectrum.size(); ++k) spectrum[k] *= gains[k];
+    fft.inv(time, spectrum);
+    for (Eigen::Index i = 0; i < n; ++i) out(i, axis) = time[static_cast<std::size_t>(i)].real();
+  }
+  return out;
+}
+
+Response low_pass(double pass_Hz) {
+  return [pass_Hz](double f) -> Complex {
+    if (f <= pass_Hz) return 1.0;
+    if (f >= 1.5 * pass_Hz) return 0.0;
+    return 0.5 * (1.0 + std::cos(std::numbers::pi * (f - pass_Hz) / (0.5 * pass_Hz)));
+  };
+}
+
+Series3 vibration_power(const Series3& f, double dt_s, double above_Hz) {
+  const Response low = low_pass(above_Hz / 1.5);
+  const Series3 fast = apply_response(f, dt_s, [&](double x) { return 1.0 - low(x); });
+  return apply_response(fast.cwiseAbs2(), dt_s, low_pass(1.0)).cwiseMax(0.0);
+}
+
+Response delay_response(double tau_s) {
+  return [tau_s](double f) { return std::exp(-laplace(f) * tau_s); };
+}
+
+Response first_order_response(double tau_s) {
+  return [tau_s](double f) { return 1.0 / (1.0 + laplace(f) * tau_s); };
+}
+
+Response resonance_response(double frequency_Hz, double damping) {
+  return [frequency_Hz, damping](double f) -> Complex {
+    const double x = f / frequency_Hz;
+    return 1.0 / Complex(1.0 - x * x, 2.0 * damping * x);
+  };
+}
+
+}  // namespace stillpoint::diag

@@ -1,0 +1,276 @@
+#include "diagnosis/reference/selection.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "diagnosis/reference/evidence.h"
+#include "diagnosis/reference/lines.h"
+#include "diagnosis/reference/refine.h"
+
+namespace stillpoint::diag {
+namespace {
+
+constexpr double kNatsPerCoefficient = 2.0;
+constexpr double kNatsForTheName = 5.0;     // log of the number of laws
+constexpr double kNatsForTheProduct = 1.5;  // there are four times as many products as laws
+constexpr double kNatsForTheWindow = 8.0;   // log of the number of windows
+constexpr double kLeastNet = 3.0;
+constexpr double kLeastHeldOut = 1.0;             // nats on data not used for the fit
+constexpr double kLeastShareOfFirst = 0.02;       // the remainder of a large effect must not get a name of its own
+constexpr double kLeastShareBesideUnknown = 0.1;  // a product stands for the true law to that much only
+constexpr double kPlainOffsetNats = 6.0;
+constexpr double kArmsAgree = 0.95;  // three arms of the size effect that agree are one lever arm
+constexpr double kStepInBody = 0.4;  // of a soft step's gain
+constexpr const char* kPlainOffset = "unknown:offset(t)";
+constexpr std::size_t kShortNamed = 6, kShortUnknown = 2, kShortBesideWalk = 3;
+constexpr double kWalkWorthwhile = 2.0;
+constexpr double kWalkFreedom = 8.0;  // what three rates of a random walk and their name are worth
+
+double net_of(const Candidate& c) { return c.gain_nats - charge(static_cast<std::size_t>(c.coefficients), c.window); }
+
+/// The first `count` laws: those of the catalogue come first.
+std::vector<Candidate> look_at(const SensorSearch& search, std::size_t count, const Scan& scan) {
+  std::vector<Candidate> all;
+  for (std::size_t i = 0; i < count; ++i) {
+    const auto some = scan.look(search.law(i), i);
+    all.insert(all.end(), some.begin(), some.end());
+  }
+  std::sort(all.begin(), all.end(), [](const Candidate& a, const Candidate& b) { return net_of(a) > net_of(b); });
+  return all;
+}
+
+/// The first few of each kind that are worth refining.
+void shorten(const SensorSearch& search, const std::vector<Candidate>& all, std::size_t named, std::size_t unknown,
+             std::vector<Candidate>& out) {
+  for (const Candidate& c : all) {
+    const bool is_unknown = search.law(c.law).kind == Kind::kUnknown;
+    std::size_t& left = is_unknown ? unknown : named;
+    if (left == 0 || net_of(c) < 0) continue;
+    const bool known = std::any_of(
+        out.begin(), out.end(), [&](const Candidate& o) { return o.law == c.law && o.window.local == c.window.local; });
+    if (known) continue;
+    --left;
+    out.push_back(c);
+  }
+}
+
+/// Delay, low-pass and resonance are one response to first order, proportional to the derivative: a second one would
+/// only correct the first, and both would lose their numbers.
+bool is_response(const std::string& id) {
+  return id.ends_with("_delay") || id.ends_with("_lpf") || id.ends_with("_resonance") || id == "sys_offset" ||
+         id == "unknown:dw/dt";
+}
+bool responds(const SensorSearch& search) {
+  return std::any_of(search.found.begin(), search.found.end(), [](const Found& f) { return is_response(f.id); });
+}
+
+/// Likelihoods over the null, each model with a random walk at a price or without one.
+class Judge {
+ public:
+  explicit Judge(const SensorSearch& search) : plain_(search.target), explained_(search.explained()) {
+    plain_.walk.resize(0, 0);
+    beside_walk_ = plain_;
+    beside_walk_.walk = search.walk;
+    null_ = fit_profile(plain_, explained_).log_likelihood;
+    const double with_walk = fit_profile(beside_walk_, explained_).log_likelihood;
+    walking_ = with_walk > null_ + kWalkWorthwhile;
+    null_ = std::max(null_, with_walk - kWalkFreedom);
+  }
+  [[nodiscard]] bool walking() const { return walking_; }
+  [[nodiscard]] const Target& without_walk() const { return plain_; }
+  [[nodiscard]] const Target& beside_walk() const { return beside_walk_; }
+
+  void weigh(Found& f) const {
+    const bool shifted = f.offset.size() > 0;
+    const Columns columns = shifted ? explained_ : joined(explained_, f.columns);
+    const auto likelihood = [&](Target t) {
+      if (shifted) t.residual -= f.offset;
+      return fit_profile(t, columns).log_likelihood;
+    };
+    double best = likelihood(plain_);
+    if (walking_) best = std::max(best, likelihood(beside_walk_) - kWalkFreedom);
+    f.gain_nats = best - null_;
+    f.net_nats = f.gain_nats - charge(f.names.size(), f.window);
+    if (f.kind == Kind::kUnknown) f.net_nats -= kNatsForTheProduct;
+  }
+
+ private:
+  Target plain_, beside_walk_;
+  Columns explained_;
+  double null_ = 0.0;
+  bool walking_ = false;
+};
+
+void add_to(SensorSearch& search, Found found) {
+  if (found.offset.size()) search.target.residual -= found.offset;
+  search.found.push_back(std::move(found));
+}
+
+std::vector<Candidate> short_list(const SensorSearch& search, const Judge& judge, const NoiseModel& noise) {
+  const Columns explained = search.explained();
+  std::vector<Candidate> out;
+  const std::vector<Candidate> all =
+      look_at(search, search.laws.size() + search.unknown.size(), Scan(judge.without_walk(), explained, noise));
+  shorten(search, all, kShortNamed, kShortUnknown, out);
+  if (judge.walking())
+    shorten(search, look_at(search, search.laws.size(), Scan(judge.beside_walk(), explained, noise)), kShortBesideWalk,
+            0, out);
+  // Whatever is local in time has to stand against a plain offset.
+  const auto is_offset = [&](const Candidate& c) { return search.law(c.law).id == kPlainOffset; };
+  const auto is_local = [](const Candidate& c) { return c.window.local; };
+  const auto offset = std::find_if(all.begin(), all.end(), is_offset);
+  if (offset != all.end() && std::any_of(out.begin(), out.end(), is_local) &&
+      std::none_of(out.begin(), out.end(), is_offset))
+    out.push_back(*offset);
+  return out;
+}
+
+/// The best that is not beaten by what needs less belief: a name of the catalogue before a product outside of it, a
+/// plain offset before a law that is local in time and explains no more, the lever arm before the size effect that
+/// contains it, a body-fixed step before a soft one where the current that could switch it was not recorded.
+/// `sorted`: by net gain.
+Found* best_explanation(std::vector<Found>& sorted, bool current_recorded) {
+  if (sorted.empty()) return nullptr;
+  Found& best = sorted.front();
+  const auto first = [&](const auto& holds) {
+    const auto at = std::find_if(sorted.begin(), sorted.end(), holds);
+    return at == sorted.end() ? nullptr : &*at;
+  };
+  if (best.kind == Kind::kUnknown) {
+    Found* named = first([](const Found& f) { return f.kind != Kind::kUnknown; });
+    if (named == nullptr || best.net_nats >= named->net_nats + std::max(6.0, 0.05 * named->gain_nats)) return &best;
+    if (!named->window.local || best.id != kPlainOffset) return named;
+    return &best;
+  }
+  if (best.kind == Kind::kNamed && best.window.local) {
+    Found* offset = first([](const Found& f) { return f.id == kPlainOffset; });
+    if (offset != nullptr && offset->net_nats > best.net_nats - kPlainOffsetNats) return offset;
+  }
+  const auto instead = [&](const char* id, double share) -> Found* {
+    Found* other = first([&](const Found& f) { return f.id == id; });
+    return other != nullptr && other->gain_nats > share * best.gain_nats ? other : &best;
+  };
+  if (best.id == "acc_size") return instead("acc_lever", kArmsAgree);
+  if (best.id == "mag_soft_step" && !current_recorded) return instead("mag_hard_step", kStepInBody);
+  return &best;
+}
+
+}  // namespace
+
+Columns SensorSearch::explained() const {
+  Columns all;
+  for (const Found& f : found) all.insert(all.end(), f.columns.begin(), f.columns.end());
+  return all;
+}
+
+bool SensorSearch::has_unknown() const {
+  return std::any_of(found.begin(), found.end(), [](const Found& f) { return f.kind == Kind::kUnknown; });
+}
+
+double charge(std::size_t coefficients, const Window& window) {
+  return kNatsForTheName + kNatsPerCoefficient * static_cast<double>(coefficients) +
+         (window.local ? kNatsForTheWindow : 0.0);
+}
+
+NoiseModel scan_noise(const Target& target, const Columns& explained, const Eigen::MatrixXd& walk) {
+  // A flexible smooth model in ordinary least squares: slow cosines, and second and third powers of the measured
+  // vector.
+  Columns flexible = explained;
+  const Eigen::MatrixXd v = target.nuisance.rightCols(3);
+  const Series3 rate = derivative(v, target.dt_s);
+  const Series3 second = second_derivative(v, target.dt_s);
+  for (int axis = 0; axis < 3; ++axis) {
+    for (Eigen::Index k = 0; k < std::min<Eigen::Index>(walk.cols(), 16); ++k) flexible.push_back({axis, walk.col(k)});
+    for (int i = 0; i < 3; ++i) {
+      flexible.push_back({axis, v.col(i).cwiseAbs2()});
+      flexible.push_back({axis, rate.col(i)});
+      flexible.push_back({axis, second.col(i)});
+    }
+    flexible.push_back({axis, v.col(axis).array().cube()});
+  }
+  Target plain = target;
+  plain.walk.resize(0, 0);
+  plain.layout.order = 0;
+  const Fit fit = fit_with(plain, flexible, NoiseModel(plain.layout, plain.residual), {});
+  return NoiseModel(target.layout, fit.leftover);
+}
+
+SensorSearch start_search(const Signals& s, Sensor sensor) {
+  SensorSearch search;
+  search.sensor = sensor;
+  search.target = make_target(s, sensor);
+  search.laws = make_laws(s, sensor);
+  search.unknown = make_unknown_laws(s, sensor);
+  search.walk = walk_basis(s);
+  search.t_s = s.t_s;
+  return search;
+}
+
+std::optional<Found> next_effect(const Signals& s, SensorSearch& search) {
+  const Columns explained = search.explained();
+  const Judge judge(search);
+  const NoiseModel noise = scan_noise(judge.without_walk(), explained, search.walk);
+  const std::vector<Candidate> shortlist = short_list(search, judge, noise);
+
+  search.target.walk.resize(0, 0);
+  const bool responded = responds(search);
+  const auto is_deleted = [&](const std::string& id) {
+    return std::find(search.deleted.begin(), search.deleted.end(), id) != search.deleted.end();
+  };
+  std::vector<Found> refined;
+  if (!responded) refined = refine_timing(s, search, shortlist, noise);
+  if (const auto line = line_in(search); line && !is_deleted(line->id)) refined.push_back(*line);
+  for (Candidate c : shortlist) {
+    const Law& law = search.law(c.law);
+    if (law.kind == Kind::kTiming || (responded && is_response(law.id))) continue;
+    if (c.window.local) c.window = refine_window(search.target, explained, law, c, noise);
+    refined.push_back(found_from(law, c, in_window(law.columns(c.shape), c.window)));
+    if (refined.back().at_shape) refine_shape(search.target, explained, law.shapes, refined.back());
+  }
+  for (Found& f : refined) judge.weigh(f);
+  std::sort(refined.begin(), refined.end(), [](const Found& a, const Found& b) { return a.net_nats > b.net_nats; });
+  std::vector<Ranked> ranking;
+  for (const Found& f : refined) ranking.push_back({f.id, f.window, f.gain_nats, f.net_nats});
+  if (search.found.empty()) search.ranking = ranking;
+
+  Found* best = best_explanation(refined, s.current_A.size() > 0);
+  const double least_share = search.has_unknown() ? kLeastShareBesideUnknown : kLeastShareOfFirst;
+  if (best == nullptr || best->net_nats < kLeastNet || best->gain_nats < least_share * search.first_gain)
+    return std::nullopt;
+  best->rivals = std::move(ranking);
+  SensorSearch with = search;
+  add_to(with, *best);
+  if (held_out(with, {with.found.size() - 1}).gain_nats < kLeastHeldOut) return std::nullopt;
+  return *best;
+}
+
+void accept(SensorSearch& search, Found found) {
+  if (search.found.empty()) search.first_gain = found.gain_nats;
+  search.first_gain = std::max(search.first_gain, found.gain_nats);
+  add_to(search, std::move(found));
+  if (search.found.size() < 2) return;
+  search.target.walk = search.walk;
+  const double all = fit_profile(search.target, search.explained()).log_likelihood;
+  for (std::size_t i = 0; i + 1 < search.found.size(); ++i) {
+    SensorSearch without = search;
+    if (search.found[i].offset.size()) without.target.residual += search.found[i].offset;
+    without.found.erase(without.found.begin() + static_cast<std::ptrdiff_t>(i));
+    const double less = fit_profile(without.target, without.explained()).log_likelihood;
+    search.found[i].gain_nats = all - less;
+    search.found[i].net_nats = all - less - charge(search.found[i].columns.size(), search.found[i].window);
+    if (search.found[i].net_nats > 0) continue;
+    search = std::move(without);
+    return;
+  }
+}
+
+double gain_of_offset(const SensorSearch& search, const Series3& offset) {
+  Target plain = search.target;
+  plain.walk.resize(0, 0);
+  const Columns explained = search.explained();
+  const double before = fit_profile(plain, explained).log_likelihood;
+  plain.residual -= offset;
+  return fit_profile(plain, explained).log_likelihood - before;
+}
+
+}  // namespace stillpoint::diag

@@ -1,0 +1,73 @@
+/// Forward selection of the physics in one sensor's residual: scan, short list, refinement with the noise estimated
+/// beside each candidate, and a charge for every freedom the search has used.
+#pragma once
+#include <map>
+#include <optional>
+
+#include "diagnosis/reference/laws.h"
+#include "diagnosis/reference/scan.h"
+#include "diagnosis/reference/timing.h"
+
+namespace stillpoint::diag {
+
+struct Ranked {
+  std::string id;
+  Window window;
+  double gain_nats = 0.0, net_nats = 0.0;
+};
+
+/// One effect as found, refined and fitted.
+struct Found {
+  std::string id;
+  Kind kind = Kind::kNamed;
+  Window window;
+  double shape = 0.0, shape_sd = 0.0;   ///< sd: where the shape was fitted apart
+  std::map<std::string, double> fixed;  ///< numbers that belong to the effect and have no column, by key
+  std::string shape_name, shape_unit, unit, equation, driver;
+  std::function<Columns(double shape)> at_shape;  ///< columns of a law with a time constant; empty: it has none
+  std::vector<std::string> names, units;          ///< of the coefficients
+  Columns columns;                                ///< linear part: the law's columns, or the tangent of a timing law
+  Series3 offset;                                 ///< timing: the predicted residual at `timing`; empty: none
+  Eigen::VectorXd timing;                         ///< parameters of a timing law
+  double gain_nats = 0.0;                         ///< log-likelihood over the model without it
+  double net_nats = 0.0;                          ///< the gain minus what the freedom of the search is worth
+  std::vector<Ranked> rivals;                     ///< of the round that chose it, best first, itself among them
+};
+
+/// Everything about one sensor while the search runs.
+struct SensorSearch {
+  Sensor sensor = kAcc;
+  Target target;  ///< residual: timing offsets already subtracted
+  std::vector<Law> laws, unknown;
+  std::vector<std::string> deleted;  ///< timing laws that are not in the library this time
+  std::vector<Found> found;
+  std::vector<Ranked> ranking;  ///< of the first round
+  double first_gain = 0.0;
+  Eigen::MatrixXd walk;  ///< the basis, kept while the target may be without
+  Series t_s;
+  [[nodiscard]] Columns explained() const;
+  [[nodiscard]] bool has_unknown() const;
+  /// By index of a candidate: the catalogue's laws, then the products outside of it.
+  [[nodiscard]] const Law& law(std::size_t index) const {
+    return index < laws.size() ? laws[index] : unknown[index - laws.size()];
+  }
+};
+
+/// The freedom of the search in nats: coefficients, the choice among laws, a window in time.
+[[nodiscard]] double charge(std::size_t coefficients, const Window& window);
+
+[[nodiscard]] SensorSearch start_search(const Signals& s, Sensor sensor);
+
+/// The best next effect, or none when nothing is worth its charge.
+[[nodiscard]] std::optional<Found> next_effect(const Signals& s, SensorSearch& search);
+
+/// Adds it to the model, then drops any earlier effect that it makes superfluous.
+void accept(SensorSearch& search, Found found);
+
+/// Noise for scanning: what is left after a flexible smooth model, so that the effect sought is not taken for noise.
+[[nodiscard]] NoiseModel scan_noise(const Target& target, const Columns& explained, const Eigen::MatrixXd& walk);
+
+/// Log-likelihood gained by subtracting `offset`, the noise given.
+[[nodiscard]] double gain_of_offset(const SensorSearch& search, const Series3& offset);
+
+}  // namespace stillpoint::diag

@@ -1,0 +1,346 @@
+#include "diagnosis/reference/signals.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/so3.h"
+#include "diagnosis/reference/band_limit.h"
+#include "diagnosis/reference/response.h"
+
+namespace stillpoint::diag {
+namespace {
+
+constexpr double kMotionBand_Hz = 20.0;    // hands, limbs and vehicles move below this, tremor included
+constexpr double kExactJitter_rad = 2e-6;  // a reference quieter than this is arithmetic, not a camera
+constexpr double kMotionOverNoise =
+    60.0;  // power; the noise in a driver then costs a candidate less than it costs to be named
+constexpr double kVibration_Hz = 15.0;
+constexpr double kRestWindow_s = 0.6;
+constexpr double kRestMargin_s = 0.25;
+constexpr double kEnds_s = 0.6;  // where differences are one-sided and filters lean on the mirror image
+
+template <class Get>
+Series filled(Eigen::Index n, Get get) {
+  Series x(n);
+  Eigen::Index known = -1;
+  for (Eigen::Index i = 0; i < n; ++i) {
+    x[i] = get(i);
+    if (!std::isfinite(x[i])) continue;
+    // A hole is bridged by a straight line; its samples are muted by the caller.
+    for (Eigen::Index k = known + 1; k < i; ++k)
+      x[k] = known < 0 ? x[i]
+                       : x[known] + (x[i] - x[known]) * static_cast<double>(k - known) / static_cast<double>(i - known);
+    known = i;
+  }
+  for (Eigen::Index k = known + 1; k < n; ++k) x[k] = known < 0 ? 0.0 : x[known];
+  return x;
+}
+
+Series3 filled3(const std::vector<Vec3>& column) {
+  const auto n = static_cast<Eigen::Index>(column.size());
+  Series3 out(n, 3);
+  for (int a = 0; a < 3; ++a)
+    out.col(a) = filled(n, [&](Eigen::Index i) { return column[static_cast<std::size_t>(i)][a]; });
+  return out;
+}
+
+Series moving_mean(const Series& x, Eigen::Index half) {
+  const Eigen::Index n = x.size();
+  Series sum(n + 1), out(n);
+  sum[0] = 0;
+  for (Eigen::Index i = 0; i < n; ++i) sum[i + 1] = sum[i] + x[i];
+  for (Eigen::Index i = 0; i < n; ++i) {
+    const Eigen::Index reach = std::min({half, i, n - 1 - i});  // symmetric, so a slope is not shifted
+    out[i] = (sum[i + reach + 1] - sum[i - reach]) / static_cast<double>(2 * reach + 1);
+  }
+  return out;
+}
+
+/// Standard deviation of the three axes together in a window around each sample.
+Series local_deviation(const Series3& x, Eigen::Index half) {
+  Series variance = Series::Zero(x.rows());
+  for (int a = 0; a < 3; ++a) {
+    const Series centred = x.col(a).array() - x.col(a).mean();
+    const Series mean = moving_mean(centred, half);
+    variance += (moving_mean(centred.cwiseAbs2(), half) - mean.cwiseAbs2()).cwiseMax(0.0);
+  }
+  return (variance / 3.0).cwiseSqrt();
+}
+
+double quantile(Series x, double share) {
+  const auto k = static_cast<Eigen::Index>(share * static_cast<double>(x.size() - 1));
+  std::nth_element(x.data(), x.data() + k, x.data() + x.size());
+  return x[k];
+}
+
+/// At rest both inertial sensors are as quiet as they ever are, and the gyroscope reads near its own typical offset.
+Mask find_rest(const Signals& s) {
+  const auto half = static_cast<Eigen::Index>(0.5 * kRestWindow_s / s.dt_s);
+  Eigen::Array<bool, Eigen::Dynamic, 1> quiet = Eigen::Array<bool, Eigen::Dynamic, 1>::Constant(s.n, true);
+  bool any = false;
+  for (const Sensor sensor : {kAcc, kGyr}) {
+    if (!s.present[sensor]) continue;
+    const Series deviation = local_deviation(s.reading[sensor], half);
+    const double floor = std::max(quantile(deviation, 0.1), 0.7 * s.noise_sd[sensor]);
+    quiet = quiet && deviation.array() < 2.0 * floor;
+    any = true;
+  }
+  if (s.present[kGyr]) quiet = quiet && s.reading[kGyr].rowwise().norm().array() < 0.15;
+  Mask rest(static_cast<std::size_t>(s.n), 0);
+  const auto margin = static_cast<Eigen::Index>(kRestMargin_s / s.dt_s);
+  Eigen::Index begin = 0;
+  for (Eigen::Index i = 0; any && i <= s.n; ++i) {
+    if (i < s.n && quiet[i]) continue;
+    for (Eigen::Index k = begin == 0 ? 0 : begin + margin; k < (i == s.n ? i : i - margin); ++k)
+      rest[static_cast<std::size_t>(k)] = 1;
+    begin = i + 1;
+  }
+  return rest;
+}
+
+Eigen::Matrix<double, Eigen::Dynamic, 4> orientation_of(const io::Recording& recording) {
+  const auto n = static_cast<Eigen::Index>(recording.size());
+  Eigen::Matrix<double, Eigen::Dynamic, 4> q(n, 4);
+  Eigen::Vector4d last(1, 0, 0, 0);
+  std::vector<Eigen::Vector4d> continuous = recording.ref_q_world_body;
+  for (auto& value : continuous) {
+    if (!value.allFinite() || value.norm() < 0.5) {
+      value.setConstant(io::kMissing);
+      continue;
+    }
+    value.normalize();
+    if (value.dot(last) < 0) value = -value;  // q and -q are one rotation; differences need one branch
+    last = value;
+  }
+  for (int c = 0; c < 4; ++c)
+    q.col(c) = filled(n, [&](Eigen::Index i) { return continuous[static_cast<std::size_t>(i)][c]; });
+  return q;
+}
+
+/// omega = 2 q* dq/dt, exact for any rotation; differences of logarithms would miss the coning part.
+Series3 rate_from(const Eigen::Matrix<double, Eigen::Dynamic, 4>& q, double dt_s) {
+  Series3 vector_part = q.rightCols<3>();
+  Series3 scalar_part = Series3::Zero(q.rows(), 3);
+  scalar_part.col(0) = q.col(0);
+  const Series3 dv = derivative(vector_part, dt_s), dw = derivative(scalar_part, dt_s);
+  Series3 rate(q.rows(), 3);
+  for (Eigen::Index i = 0; i < q.rows(); ++i) {
+    const Vec3 v = q.row(i).tail<3>(), d = dv.row(i);
+    rate.row(i) = 2.0 * (q(i, 0) * d - dw(i, 0) * v - v.cross(d));
+  }
+  return rate;
+}
+
+double rest_jitter(const Signals& s, const Series3& rate) {
+  double sum = 0.0;
+  Eigen::Index count = 0;
+  for (Eigen::Index i = 0; i < s.n; ++i) {
+    if (!s.rest[static_cast<std::size_t>(i)]) continue;
+    sum += rate.row(i).squaredNorm() / 3.0;
+    ++count;
+  }
+  return count == 0 ? -1.0 : std::sqrt(sum / static_cast<double>(count));
+}
+
+void mute_ends(Mask& mask, Eigen::Index n, Eigen::Index ends) {
+  for (Eigen::Index i = 0; i < std::min(ends, n); ++i) {
+    mask[static_cast<std::size_t>(i)] = 1;
+    mask[static_cast<std::size_t>(n - 1 - i)] = 1;
+  }
+}
+
+/// Where the reference was lost, and beside it as far as its differences reach, nothing can be compared.
+void mute_lost_reference(Signals& s, const io::Recording& recording) {
+  constexpr std::ptrdiff_t kReach = 5;
+  const auto n = static_cast<std::ptrdiff_t>(s.n);
+  std::ptrdiff_t until = 0;
+  for (std::ptrdiff_t i = 0; i < n; ++i) {
+    const auto at = static_cast<std::size_t>(i);
+    const bool there =
+        recording.ref_q_world_body[at].allFinite() && (!s.has_position || recording.ref_position_m[at].allFinite());
+    if (there) continue;
+    for (std::ptrdiff_t k = std::max(until, i - kReach); k <= std::min(i + kReach, n - 1); ++k)
+      for (Mask& muted : s.muted)
+        if (!muted.empty()) muted[static_cast<std::size_t>(k)] = 1;
+    until = i + kReach + 1;
+  }
+}
+
+void read_triads(Signals& s, const io::Recording& recording, const sim::SimulationConfig& simulation,
+                 const std::array<Mask, kSensors>& muted) {
+  const std::array<const std::vector<Vec3>*, kSensors> raw{&recording.acc_mps2, &recording.gyr_radps,
+                                                           &recording.mag_uT};
+  const std::array<const std::optional<sim::TriadConfig>*, kSensors> triads{
+      &simulation.accelerometer, &simulation.gyroscope, &simulation.magnetometer};
+  for (int k = 0; k < kSensors; ++k) {
+    if (raw[k]->empty() || !*triads[k]) continue;
+    const sim::TriadConfig& triad = **triads[k];
+    s.muted[k] = muted[k].size() == raw[k]->size() ? muted[k] : Mask(raw[k]->size(), 0);
+    std::size_t missing = 0;
+    for (std::size_t i = 0; i < raw[k]->size(); ++i)
+      if (!(*raw[k])[i].allFinite()) s.muted[k][i] = 1, ++missing;
+    if (missing == raw[k]->size()) continue;
+    const Series3 y = filled3(*raw[k]);
+    s.reading[k] = (y.rowwise() - triad.bias.transpose()) * triad.matrix.transpose();
+    s.noise_sd[k] = triad.noise_sd;
+    s.triad[k] = triad;
+    s.present[k] = true;
+  }
+}
+
+void read_drivers(Signals& s, const io::Recording& recording) {
+  const auto read = [&](const std::vector<double>& column, double offset) {
+    if (column.empty()) return Series();
+    const bool any = std::any_of(column.begin(), column.end(), [](double x) { return std::isfinite(x); });
+    if (!any) return Series();
+    Series x = filled(s.n, [&](Eigen::Index i) { return column[static_cast<std::size_t>(i)] - offset; });
+    return x;
+  };
+  s.temperature_K = read(recording.temp_degC, kReferenceTemperature_degC);
+  if (s.temperature_K.size()) s.temperature_K = moving_mean(s.temperature_K, static_cast<Eigen::Index>(0.5 / s.dt_s));
+  s.current_A = read(recording.current_A, 0.0);
+  s.voltage_V = read(recording.supply_V, 0.0);
+}
+
+void predict(Signals& s, const io::Recording& recording) {
+  const auto q = orientation_of(recording);
+  Series3 rate = rate_from(q, s.dt_s);
+  const double jitter = rest_jitter(s, rate);
+  s.has_rest = jitter >= 0.0;
+  s.reference_jitter_rad = std::max(jitter, 0.0) * s.dt_s;
+  s.exact_reference = s.has_rest && s.reference_jitter_rad < kExactJitter_rad;
+  Series3 acceleration = Series3::Zero(s.n, 3);
+  if (s.has_position) {
+    const Series3 p = filled3(recording.ref_position_m);
+    s.position_m = p.rowwise() - p.colwise().mean();
+    acceleration = second_derivative(p, s.dt_s);
+  }
+  for (auto& axis : s.world_axis) axis.resize(s.n, 3);
+  for (Eigen::Index i = 0; i < s.n; ++i) {
+    if (s.rest[static_cast<std::size_t>(i)]) {  // nothing moves at rest: what the reference shows there is its noise
+      rate.row(i).setZero();
+      acceleration.row(i).setZero();
+    }
+    const Mat3 R = Quat(q(i, 0), q(i, 1), q(i, 2), q(i, 3)).normalized().toRotationMatrix();
+    for (int a = 0; a < 3; ++a) s.world_axis[static_cast<std::size_t>(a)].row(i) = R.row(a);
+  }
+  const auto to_body = [&](const Series3& world) {
+    Series3 body = Series3::Zero(s.n, 3);
+    for (int a = 0; a < 3; ++a) body += world.col(a).asDiagonal() * s.world_axis[static_cast<std::size_t>(a)];
+    return body;
+  };
+  acceleration.col(2).array() += s.gravity_mps2;
+  s.predicted[kAcc] = to_body(acceleration);
+  s.predicted[kGyr] = rate;
+  s.predicted[kMag] = to_body(s.field_world_uT.transpose().replicate(s.n, 1));
+}
+
+/// At rest nothing moves: there the vector is one value a rest, or the sensor's own noise would stand in residual and
+/// driver alike.
+void hold_at_rest(Signals& s) {
+  for (Eigen::Index begin = 0; begin < s.n; ++begin) {
+    Eigen::Index end = begin;
+    while (end < s.n && s.rest[static_cast<std::size_t>(end)]) ++end;
+    if (end == begin) continue;
+    for (Series3& v : s.vector)
+      if (v.rows() == s.n)
+        v.middleRows(begin, end - begin).rowwise() = v.middleRows(begin, end - begin).colwise().mean().eval();
+    s.vector[kGyr].middleRows(begin, end - begin).setZero();
+    begin = end;
+  }
+}
+
+/// Which signal stands for the true vector: a noiseless reference; else the sensor itself, which is quieter than a
+/// differentiated camera, in the band where things move.
+void choose_vectors(Signals& s) {
+  const double highest = std::min(kMotionBand_Hz, 0.2 / s.dt_s);
+  const auto limited = [&](const Series3& x) {
+    return apply_response(x, s.dt_s, low_pass(motion_band_Hz(x, s.rest, s.dt_s, kMotionOverNoise, 1.5, highest)));
+  };
+  if (!s.exact_reference) {
+    for (Series3& axis : s.world_axis) axis = limited(axis);
+    if (s.has_position) s.position_m = limited(s.position_m);
+  }
+  for (int k = 0; k < kSensors; ++k) {
+    const bool predicted = s.exact_reference || !s.present[k] || k == kMag;
+    s.vector[k] = predicted ? s.predicted[k] : s.reading[k];
+    if (!s.exact_reference) s.vector[k] = limited(s.vector[k]);
+  }
+  if (!s.exact_reference) hold_at_rest(s);
+  s.rate = s.vector[kGyr];
+  s.rate_dot = derivative(s.rate, s.dt_s);
+  for (Eigen::Index i = 0; i < s.n; ++i) {
+    if (!s.rest[static_cast<std::size_t>(i)]) continue;
+    s.rate.row(i).setZero();
+    s.rate_dot.row(i).setZero();
+  }
+}
+
+}  // namespace
+
+Series3 derivative(const Series3& x, double dt_s) {
+  constexpr std::array<double, 4> c{4.0 / 5.0, -1.0 / 5.0, 4.0 / 105.0, -1.0 / 280.0};
+  const Eigen::Index n = x.rows();
+  Series3 d = Series3::Zero(n, 3);
+  if (n < 9) return d;
+  for (Eigen::Index k = 1; k <= 4; ++k)
+    d.middleRows(4, n - 8) +=
+        c[static_cast<std::size_t>(k - 1)] / dt_s * (x.middleRows(4 + k, n - 8) - x.middleRows(4 - k, n - 8));
+  for (Eigen::Index i = 0; i < 4; ++i) d.row(i) = d.row(4), d.row(n - 1 - i) = d.row(n - 5);
+  return d;
+}
+
+Series3 second_derivative(const Series3& x, double dt_s) {
+  constexpr std::array<double, 5> c{-205.0 / 72.0, 8.0 / 5.0, -1.0 / 5.0, 8.0 / 315.0, -1.0 / 560.0};
+  const Eigen::Index n = x.rows();
+  Series3 d = Series3::Zero(n, 3);
+  if (n < 9) return d;
+  const double scale = 1.0 / (dt_s * dt_s);
+  d.middleRows(4, n - 8) = c[0] * scale * x.middleRows(4, n - 8);
+  for (Eigen::Index k = 1; k <= 4; ++k)
+    d.middleRows(4, n - 8) +=
+        c[static_cast<std::size_t>(k)] * scale * (x.middleRows(4 + k, n - 8) + x.middleRows(4 - k, n - 8));
+  for (Eigen::Index i = 0; i < 4; ++i) d.row(i) = d.row(4), d.row(n - 1 - i) = d.row(n - 5);
+  return d;
+}
+
+Result<Signals> make_signals(const io::Recording& recording, const sim::SimulationConfig& simulation,
+                             const std::array<Mask, kSensors>& muted) {
+  Signals s;
+  s.n = static_cast<Eigen::Index>(recording.size());
+  s.dt_s = recording.median_step_s();
+  s.start_s = recording.t_s(0);
+  s.t_s = Series(s.n);
+  for (Eigen::Index i = 0; i < s.n; ++i) s.t_s[i] = recording.t_s(static_cast<std::size_t>(i)) - s.start_s;
+  s.gravity_mps2 = simulation.gravity_mps2;
+  s.latitude_rad = simulation.environment.latitude_rad;
+  s.field_world_uT = simulation.field_world_uT;
+  read_triads(s, recording, simulation, muted);
+  if (!s.present[0] && !s.present[1] && !s.present[2])
+    return fail(ErrorKind::kBadData,
+                "no sensor of the simulation has readings in the recording; check its column names");
+  read_drivers(s, recording);
+  s.rest = find_rest(s);
+  if (s.present[kAcc] && 0.5 / s.dt_s > kVibration_Hz * 1.5)
+    s.vibration = vibration_power(s.reading[kAcc], s.dt_s, kVibration_Hz);
+  s.has_orientation = !recording.ref_q_world_body.empty();
+  s.has_position = !recording.ref_position_m.empty();
+  if (!s.has_orientation) return s;
+  predict(s, recording);
+  mute_lost_reference(s, recording);
+  for (int k = 0; k < kSensors; ++k) {
+    if (!s.present[k]) continue;
+    s.residual[k] = s.reading[k] - s.predicted[k];
+    mute_ends(s.muted[k], s.n, std::max<Eigen::Index>(8, static_cast<Eigen::Index>(kEnds_s / s.dt_s)));
+    if (k != kAcc || s.has_position) continue;
+    for (std::size_t i = 0; i < s.rest.size();
+         ++i)  // without a position, only rest says what the accelerometer should read
+      if (!s.rest[i]) s.muted[k][i] = 1;
+  }
+  choose_vectors(s);
+  return s;
+}
+
+}  // namespace stillpoint::diag

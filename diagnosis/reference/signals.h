@@ -1,0 +1,71 @@
+/// What a recording and a baseline simulation say about the same motion: the calibrated readings, what the reference
+/// predicts they should be, their difference, and the quantities that physics may be driven by. All on one even grid.
+#pragma once
+#include <Eigen/Core>
+#include <array>
+#include <string>
+#include <vector>
+
+#include "core/result.h"
+#include "core/types.h"
+#include "diagnosis/forensics/forensics.h"
+#include "io/recording.h"
+#include "simulation/config.h"
+
+namespace stillpoint::diag {
+
+using Series = Eigen::VectorXd;                            ///< one value a sample
+using Series3 = Eigen::Matrix<double, Eigen::Dynamic, 3>;  ///< one column an axis
+using Mask = std::vector<std::uint8_t>;                    ///< one flag a sample
+
+inline constexpr int kSensors = 3;
+inline constexpr std::array<const char*, 3> kAxisName{"x", "y", "z"};
+
+/// Everything that a hypothesis may use. Sensor frame unless said otherwise.
+struct Signals {
+  Eigen::Index n = 0;
+  double dt_s = 0.0;
+  double start_s = 0.0;  ///< time of the first sample, of the recording's own clock
+  Series t_s;            ///< from the start of the recording
+  bool has_orientation = false, has_position = false;
+  bool exact_reference = false;  ///< its jitter at rest is far below what would disturb the residual
+  bool has_rest = false;
+  double reference_jitter_rad = 0.0;
+  double gravity_mps2 = 9.80665, latitude_rad = 0.85;
+  Vec3 field_world_uT = Vec3::Zero();
+  std::array<bool, kSensors> present{};
+  std::array<sim::TriadConfig, kSensors> triad;  ///< H and B as configured
+  std::array<Series3, kSensors> reading;         ///< u = H (y - B)
+  std::array<Series3, kSensors> predicted;       ///< from the reference
+  std::array<Series3, kSensors> residual;        ///< reading - predicted
+  std::array<Series3, kSensors>
+      vector;                        ///< best estimate of the true vector: the reference when exact, else the reading
+  std::array<Mask, kSensors> muted;  ///< samples that say nothing about this sensor's residual
+  std::array<double, kSensors> noise_sd{};  ///< as configured, of one sample
+  Series3 rate, rate_dot;                   ///< rad/s, rad/s^2
+  std::array<Series3, 3> world_axis;        ///< world x, y, z seen from the sensor: the columns of R'
+  Series3 position_m;                       ///< in the world, its mean removed
+  Series temperature_K, current_A,
+      voltage_V;      ///< empty: not recorded. Temperature relative to 25 degC, smoothed over 1 s
+  Series3 vibration;  ///< power of the specific force above 15 Hz, (m/s^2)^2; empty: sampled too slowly
+  Mask rest;
+  std::vector<std::string> notices;
+
+  [[nodiscard]] double duration_s() const { return static_cast<double>(n) * dt_s; }
+};
+
+inline constexpr double kReferenceTemperature_degC = 25.0;
+
+/// Pre: the recording has at least 2 rows. Fails (65) when nothing of it can be compared: no sensor of the simulation
+/// in it. `muted` comes from the forensics, one mask a sensor, empty for none.
+[[nodiscard]] Result<Signals> make_signals(const io::Recording& recording, const sim::SimulationConfig& simulation,
+                                           const std::array<Mask, kSensors>& muted);
+
+/// Means of `factor` neighbours, for recordings sampled far faster than anything moves. Noise stays white under it.
+[[nodiscard]] Signals thinned(const Signals& s, Eigen::Index factor);
+
+/// Eighth-order central differences; the four samples at either end take the value next to them.
+[[nodiscard]] Series3 derivative(const Series3& x, double dt_s);
+[[nodiscard]] Series3 second_derivative(const Series3& x, double dt_s);
+
+}  // namespace stillpoint::diag

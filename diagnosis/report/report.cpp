@@ -1,0 +1,260 @@
+#include "diagnosis/report/report.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "diagnosis/report/svg.h"
+#include "diagnosis/summary.h"
+#include "simulation/effect_catalogue.h"
+
+namespace stillpoint::diag {
+
+namespace embedded {  // made at build time from the files of these names
+extern const char uPlot_iife_min_js[], uPlot_min_css[], page_css[], page_js[];
+}
+
+namespace {
+
+using svg::escaped;
+
+const char* verdict_words(Verdict v) {
+  switch (v) {
+    case Verdict::kNoMismatch:
+      return "No mismatch";
+    case Verdict::kExplained:
+      return "Mismatch found and explained";
+    case Verdict::kPartlyExplained:
+      return "Mismatch found, explained in part";
+    case Verdict::kUnexplained:
+      return "Mismatch found, not explained";
+    case Verdict::kInsufficientData:
+      return "Insufficient data";
+  }
+  return "";
+}
+
+std::string joined(const std::vector<std::string>& words) {
+  std::string all;
+  for (const auto& w : words) all += (all.empty() ? "" : ", ") + w;
+  return escaped(all);
+}
+
+/// The catalogue's parameter of this finding's: by symbol ("k" of "k_x"), or the only one.
+const sim::EffectParameter* catalogued(const std::string& effect, const std::string& parameter) {
+  const auto* info = sim::find_effect(effect);
+  if (info == nullptr) return nullptr;
+  for (const auto& p : info->parameters)
+    if (p.symbol == parameter.substr(0, parameter.find('_'))) return &p;
+  return info->parameters.size() == 1 ? &info->parameters.front() : nullptr;
+}
+
+std::string parameter_table(const Finding& f) {
+  if (f.parameters.empty()) return {};
+  std::string s =
+      "<h3>Parameters</h3><p class=\"how\">Blue is the value with its 95 % interval, grey the range usual for such "
+      "sensors "
+      "(logarithmic in size); far outside it, the driver may stand in for another.</p><table><tr><th>name</th><th "
+      "class=\"n\">value"
+      "</th><th class=\"n\">95 % interval</th><th>unit</th><th>against the usual</th></tr>";
+  for (const auto& p : f.parameters) {
+    const auto* usual = catalogued(f.effect, p.name);
+    s += fmt::format(
+        "<tr><td><code>{}</code></td><td class=\"n\">{:.5g}</td><td class=\"n\">{:.5g} … "
+        "{:.5g}</td><td>{}</td><td>{}</td></tr>",
+        escaped(p.name), p.value, p.ci95[0], p.ci95[1], escaped(p.unit),
+        usual ? svg::parameter_range(p, usual->typical_low, usual->typical_high) : "");
+  }
+  return s + "</table>";
+}
+
+std::string held_out_line(const HeldOut& h) {
+  if (h.blocks == 0 && h.gain_nats == 0 && h.rms_before == 0) return {};
+  return fmt::format(
+      "<h3>On data not used for the fit</h3><p>Gain {:.1f} nats; {} of {} blocks better; {:.0f} % of the removable "
+      "error removed; "
+      "rms {:.4g} before, {:.4g} after, {:.4g} noise floor ({}).</p><p class=\"how\">Under a noisy reference the rms "
+      "hardly moves; the gain "
+      "in nats is what counts: above 5 it is beyond chance.</p>",
+      h.gain_nats, h.blocks_better, h.blocks, 100.0 * h.removable_share_removed, h.rms_before, h.rms_after,
+      h.noise_floor, escaped(h.unit));
+}
+
+std::string figure(const std::string& id, std::size_t k, const std::string& title, const std::string& how, bool there) {
+  if (!there) return {};
+  return fmt::format("<div><h3>{}</h3><p class=\"how\">{}</p><div class=\"plot\" id=\"{}-{}\"></div></div>", title, how,
+                     id, k);
+}
+
+std::string figures(const FindingFigures& f, std::size_t k) {
+  std::string s = "<div class=\"figures\">";
+  s += figure("residual", k, "Before and after",
+              "Recording minus simulation in time; shaded spans were held out of the fit, and there too the "
+              "green curve must lie closer to zero.",
+              !f.t_s.empty());
+  s += figure(
+      "spectrum", k, "Spectrum",
+      "Power by frequency; where orange stands above the dashed noise, something is missing, and green must come "
+      "down to it.",
+      !f.frequency_hz.empty());
+  s += figure("driver", k, "Residual against its driver",
+              "Each point is one moment; points that follow the blue law, and not a cloud or another "
+              "curve, are the evidence for the name.",
+              !f.driver.empty());
+  s += figure("acf", k, "Autocorrelation",
+              "What is left after whitening; inside the dashed band it is noise, outside it something still goes on.",
+              !f.autocorrelation_before.empty());
+  return s + "</div>";
+}
+
+std::string confidence_words(const Finding& f) {
+  const std::string p = f.p_value < 1e-40 ? "p &lt; 1e-40" : fmt::format("p = {:.1e}", f.p_value);
+  return f.confidence > 0.999 ? "above 0.999; " + p : fmt::format("{:.3g}; {}", f.confidence, p);
+}
+
+std::string finding_card(const Finding& f, std::size_t k) {
+  const auto* info = sim::find_effect(f.effect);
+  std::string s = fmt::format("<section class=\"card\"><h2>{}. {} <code>{}</code></h2>", k + 1,
+                              info ? escaped(info->title) : "Outside the catalogue", escaped(f.effect));
+  s += "<table>";
+  const auto row = [&s](const std::string& what, const std::string& html) {
+    if (!html.empty()) s += fmt::format("<tr><th>{}</th><td>{}</td></tr>", what, html);
+  };
+  row("where", joined(f.channels));
+  row("when", fmt::format("{:.2f} to {:.2f} s; {}", f.interval_s[0], f.interval_s[1], escaped(f.regime)));
+  row("law", f.equation.empty() ? "" : "<code>" + escaped(f.equation) + "</code>");
+  row("driver", escaped(f.driver));
+  row("confidence", confidence_words(f));
+  if (!f.equivalent.empty()) row("cannot be told from", joined(f.equivalent));
+  if (!f.runner_up_effect.empty()) row("runner-up", escaped(f.runner_up_effect + ": " + f.runner_up_why_rejected));
+  row("would decide", escaped(f.decided_by));
+  return s + "</table>" + parameter_table(f) + held_out_line(f.held_out) + figures(f.figures, k) + "</section>";
+}
+
+std::string baseline_tables(const Diagnosis& d) {
+  std::string s;
+  if (!d.configuration.empty()) {
+    s += "<h2>Wrong numbers, not missing physics</h2><ul>";
+    for (const auto& c : d.configuration)
+      s += fmt::format("<li><b>{}</b>: {}</li>", escaped(c.sensor), escaped(c.what));
+    s += "</ul>";
+  }
+  if (!d.noise.empty()) {
+    s += "<h2>Noise</h2><table><tr><th>channel</th><th class=\"n\">configured</th><th class=\"n\">measured</th></tr>";
+    for (const auto& n : d.noise)
+      s += fmt::format("<tr><td>{}</td><td class=\"n\">{:.4g}</td><td class=\"n\">{:.4g}</td></tr>", escaped(n.channel),
+                       n.configured, n.measured);
+    s += "</table>";
+  }
+  if (!d.residual.empty()) {
+    s += "<h2>Every channel</h2><p class=\"how\">The last column is the smallest effect that would have been seen: "
+         "where nothing was found, nothing "
+         "larger hides.</p><table><tr><th>channel</th><th class=\"n\">rms before</th><th class=\"n\">rms "
+         "after</th><th>only noise left</th>"
+         "<th class=\"n\">smallest seen</th><th>unit</th></tr>";
+    for (const auto& r : d.residual)
+      s += fmt::format(
+          "<tr><td>{}</td><td class=\"n\">{:.4g}</td><td class=\"n\">{:.4g}</td><td>{}</td><td "
+          "class=\"n\">{:.3g}</td><td>{}</td></tr>",
+          escaped(r.channel), r.rms_before, r.rms_after, r.white ? "yes" : "no", r.smallest_seen, escaped(r.unit));
+    s += "</table>";
+  }
+  return s;
+}
+
+std::string next_steps(const Diagnosis& d, const ReportContext& context) {
+  std::string s = "<h2>Next</h2>";
+  if (!context.blocks_to_paste.empty())
+    s += "<p>Put the physics into the simulation, then run <code>stillpoint diagnose</code> again: it must find no "
+         "mismatch.</p><pre><code>" +
+         escaped(context.blocks_to_paste) + "</code></pre>";
+  std::string items;
+  for (const auto& f : d.findings)
+    if (!f.decided_by.empty())
+      items += fmt::format("<li><code>{}</code>: {}</li>", escaped(f.effect), escaped(f.decided_by));
+  for (const auto& n : d.notices) items += "<li>" + escaped(n) + "</li>";
+  if (items.empty()) items = "<li>Nothing to do: the simulation explains this recording.</li>";
+  return s + "<ul>" + items + "</ul>";
+}
+
+nlohmann::json figure_data(const Diagnosis& d) {
+  auto all = nlohmann::json::array();
+  for (const auto& finding : d.findings) {
+    const auto& f = finding.figures;
+    std::vector<int> held(f.held_out.begin(), f.held_out.end());
+    all.push_back({{"t", f.t_s},
+                   {"before", f.residual_before},
+                   {"after", f.residual_after},
+                   {"held", held},
+                   {"freq", f.frequency_hz},
+                   {"psd_before", f.psd_before},
+                   {"psd_after", f.psd_after},
+                   {"psd_noise", f.psd_noise},
+                   {"driver", f.driver},
+                   {"at_driver", f.residual_at_driver},
+                   {"law", f.law_at_driver},
+                   {"driver_label", f.driver_label},
+                   {"acf_before", f.autocorrelation_before},
+                   {"acf_after", f.autocorrelation_after},
+                   {"acf_band", f.autocorrelation_band},
+                   {"channel", f.channel},
+                   {"unit", f.unit}});
+  }
+  return all;
+}
+
+/// "</script>" inside a string would end the element it stands in.
+std::string inside_script(std::string text) {
+  for (std::size_t at = 0; (at = text.find("</", at)) != std::string::npos; at += 3) text.replace(at, 2, "<\\/");
+  return text;
+}
+
+}  // namespace
+
+std::string report_html(const Diagnosis& d, const ReportContext& context) {
+  std::string s =
+      "<!doctype html><html lang=\"en\"><head><meta charset=\"utf-8\"><meta name=\"viewport\" "
+      "content=\"width=device-width\">";
+  s += fmt::format("<title>Diagnosis of {}</title><style>", escaped(context.recording));
+  s += embedded::uPlot_min_css;
+  s += embedded::page_css;
+  s += "</style></head><body>";
+  s += fmt::format(
+      "<div class=\"verdict {}\"><div class=\"label\">{}</div><h1>{}</h1><p class=\"small\">Recording {} against "
+      "simulation {}{}</p></div>",
+      verdict_word(d.verdict), verdict_words(d.verdict), escaped(d.summary), escaped(context.recording),
+      escaped(context.simulation), context.validation.empty() ? "" : "; checked on " + escaped(context.validation));
+  s += "<noscript><p>The curves need a script; every number stands in the tables below.</p></noscript>";
+  for (std::size_t k = 0; k < d.findings.size(); ++k) s += finding_card(d.findings[k], k);
+  if (const auto map = svg::heat_map(d); !map.empty())
+    s += "<h2>Where and when</h2><p class=\"how\">Misfit of the given simulation per channel and block of time, before "
+         "anything was added: dark cells "
+         "are where recording and simulation part.</p>" +
+         map;
+  if (const auto bars = svg::ranking(d); !bars.empty())
+    s += "<h2>Hypotheses</h2><p class=\"how\">Gain of each single law over the simulation, after the charge for its "
+         "parameters; left of the red line "
+         "no name is stated. Blue: stated above.</p>" +
+         bars;
+  s += baseline_tables(d) + next_steps(d, context);
+  s += "<script type=\"application/json\" id=\"figures\">" +
+       inside_script(figure_data(d).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace)) +
+       "</script><script>";
+  s += embedded::uPlot_iife_min_js;
+  s += "</script><script>";
+  s += embedded::page_js;
+  return s + "</script></body></html>\n";
+}
+
+Result<void> write_report(const Diagnosis& diagnosis, const ReportContext& context, const std::string& path) {
+  std::ofstream file(path, std::ios::binary);
+  file << report_html(diagnosis, context);
+  file.close();
+  if (!file) return fail(ErrorKind::kCannotCreate, fmt::format("{}: cannot be written", path));
+  return {};
+}
+
+}  // namespace stillpoint::diag
