@@ -26,7 +26,7 @@ struct RestDetectorParams {
   double gyr_bias_sd_radps = 1.0 * kRadPerDeg;
   double norm_tolerance = 0.15;
   double gravity_mps2 = kStandardGravity_mps2;
-  double acc_limit_mps2 = 1e9;
+  double acc_limit_mps2 = 1e9;  ///< clipped from here on; the daemon sets both from the full scales of its sensor
   double gyr_limit_radps = 1e9;
   double rotation_max_s = 120.0;
 
@@ -47,8 +47,6 @@ struct RestDetectorParams {
         field("norm_tolerance", &P::norm_tolerance, in_range(0.005, 1.0),
               "largest deviation of the calibrated norm from gravity, relative"),
         field("gravity_mps2", &P::gravity_mps2, in_range(9.7, 9.9), "local gravity"),
-        field("acc_limit_mps2", &P::acc_limit_mps2, positive(), "full scale of the accelerometer"),
-        field("gyr_limit_radps", &P::gyr_limit_radps, positive(), "full scale of the gyroscope"),
         field("rotation_max_s", &P::rotation_max_s, in_range(1.0, 3600.0),
               "longest way between windows that is integrated"),
     };

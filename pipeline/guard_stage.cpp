@@ -17,7 +17,7 @@ bool usable(const Array3& reading, double limit) noexcept {
 }
 
 bool at_limit(const Array3& reading, double limit) noexcept {
-  return std::any_of(reading.begin(), reading.end(), [limit](double x) { return std::abs(x) >= 0.999 * limit; });
+  return std::any_of(reading.begin(), reading.end(), [limit](double x) { return std::abs(x) >= kClippedFrom * limit; });
 }
 
 }  // namespace

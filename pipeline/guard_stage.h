@@ -8,6 +8,9 @@
 
 namespace stillpoint::pipeline {
 
+/// Share of the full scale from which a reading is clipped: offsets that the sensor takes out shift its rail.
+inline constexpr double kClippedFrom = 0.999;
+
 struct GuardParams {
   double acc_limit_mps2 = 1e4;
   double gyr_limit_radps = 1e3;

@@ -54,7 +54,7 @@ class Stages {
   Stages(const StagesParams& params, const CalibrationSnapshot& start) noexcept
       : params_(params),
         guard_(params.guard),
-        rest_(params.rest),
+        rest_(rest_of(params)),
         correct_(start),
         compensate_(params.compensation),
         filter_(params.attitude) {
@@ -85,6 +85,14 @@ class Stages {
   [[nodiscard]] calib::Refusal last_refusal() const noexcept { return rest_.last_refusal(); }
 
  private:
+  /// One full scale serves both: what the guard calls clipped is no evidence of rest.
+  static calib::RestDetectorParams rest_of(const StagesParams& params) noexcept {
+    calib::RestDetectorParams rest = params.rest;
+    rest.acc_limit_mps2 = kClippedFrom * params.guard.acc_limit_mps2;
+    rest.gyr_limit_radps = kClippedFrom * params.guard.gyr_limit_radps;
+    return rest;
+  }
+
   template <CalibrationLink Link>
   void take_answer(std::int64_t t_ns, Link& link) noexcept {
     if (answered_ == submitted_ || t_ns < due_ns_) return;

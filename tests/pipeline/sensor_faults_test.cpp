@@ -24,7 +24,7 @@ struct Published {
 
 StagesParams params() {
   StagesParams p;
-  p.rest.acc_limit_mps2 = p.guard.acc_limit_mps2 = 40.0;
+  p.guard.acc_limit_mps2 = 40.0;
   return p;
 }
 
