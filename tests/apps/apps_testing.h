@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "tests/dds/process.h"
+#include "tests/own_domain.h"
 
 namespace stillpoint::test {
 

@@ -13,14 +13,14 @@
 
 #include "core/attitude_message.h"
 #include "io/dds_params.h"
+#include "tests/own_domain.h"
 
 namespace stillpoint::test {
 
-/// Every test program run has its own domain, so that parallel runs do not meet. Up to 100: higher ones share ports
-/// with the kernel's ephemeral range.
+/// In a domain of its own, so that parallel runs do not meet.
 inline io::DdsParams test_params(const char* transport = "udp") {
   io::DdsParams params;
-  params.domain = 1 + static_cast<int>(getpid() % 100);
+  params.domain = own_domain();
   params.transport = transport;
   return params;
 }
