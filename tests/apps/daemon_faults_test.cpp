@@ -117,14 +117,14 @@ TEST_F(DaemonFaults, OneCoreIsEnough) {
 }
 
 TEST_F(DaemonFaults, WithoutTheRightsItSaysWhatIsRefusedAndRunsOn) {
-  if (geteuid() != 0) GTEST_SKIP() << "only root can give its rights away";
+  if (geteuid() != 0) GTEST_SKIP() << "SKIPPED: only root can give its rights away";
   configure("threads: {sensor_core: 1023, fifo_priority: 50, lock_memory: true}\n");
   fs::create_directory(scratch_ / "state");
   fs::permissions(scratch_ / "", fs::perms::all);
   fs::permissions(scratch_ / "state", fs::perms::all);
   wrapper_ = "setpriv --reuid=65534 --regid=65534 --clear-groups";
   if (run(wrapper_ + " test -r " + configs("sim_handheld.yaml"), scratch_ / "rights") != 0)
-    GTEST_SKIP() << "the project's folder is not open to other users";
+    GTEST_SKIP() << "SKIPPED: the project's folder is not open to other users";
   auto daemon = start("ulimit -l 64;");
   EXPECT_TRUE(keeps_a_state()) << log();
   EXPECT_EQ(end(*daemon), 0);

@@ -210,7 +210,7 @@ TEST(Forensics, SaysNothingOfAnEffectThatTheSimulationAlreadyHas) {
 TEST(Forensics, FindsTheSlowMagnetometerAndTheLostRowsOfBroad) {
   const std::string path =
       std::string(STILLPOINT_SOURCE_DIR) + "/../shared/recordings/broad/03_undisturbed_slow_rotation_C.csv";
-  if (!std::filesystem::exists(path)) GTEST_SKIP() << "no recording at " << path;
+  if (!std::filesystem::exists(path)) GTEST_SKIP() << "SKIPPED, recording absent: " << path;
   const auto r = io::read_recording(path);
   ASSERT_TRUE(r.has_value());
   const auto f = examine_raw_values(*r, baseline());
