@@ -88,7 +88,7 @@ void ErrorState::depend(int index, const Eigen::Vector2d& weights) noexcept {
 }
 
 ErrorVector ErrorState::take_mean() noexcept {
-  const ErrorVector taken = mean();
+  ErrorVector taken = mean();
   mean_.fill(0.0);
   return taken;
 }

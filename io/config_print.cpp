@@ -22,6 +22,7 @@ std::string value_text(SourceEnd x) { return x == SourceEnd::kStop ? "stop" : "w
 std::string value_text(pipeline::WorldFrame x) { return x == pipeline::WorldFrame::kEnu ? "enu" : "ned"; }
 std::string value_text(const std::vector<sim::EffectConfig>& effects) {
   std::vector<std::string> texts;
+  texts.reserve(effects.size());
   for (const auto& effect : effects) texts.push_back(format_effect(effect));
   return fmt::format("[{}]", fmt::join(texts, ", "));
 }

@@ -62,7 +62,7 @@ Result<void> SimulatedRecordingFile::finish() {
   std::vector<Vec3>* columns[] = {&part_.acc_mps2, &part_.gyr_radps, &part_.mag_uT};
   for (std::size_t i = 0; i < 3; ++i)
     if (has_[i]) columns[i]->resize(part_.size(), Vec3::Constant(kMissing));
-  const auto done = std::exchange(begun_, true) ? append_recording(part_, path_) : write_recording(part_, path_);
+  auto done = std::exchange(begun_, true) ? append_recording(part_, path_) : write_recording(part_, path_);
   part_ = {};
   return done;
 }

@@ -24,7 +24,8 @@ EffectValues::EffectValues(const EffectConfig& config) {
   }
 }
 
-ActiveEffect::ActiveEffect(const EffectConfig& effect) : values(effect) {
+ActiveEffect::ActiveEffect(const EffectConfig& effect, int entry)
+    : values(effect), source("effect " + effect.id + (entry > 1 ? " " + std::to_string(entry) : "")) {
   if (!effect.axes.empty()) axes.setZero();
   for (const int axis : effect.axes) axes[axis] = 1.0;
   constexpr double kEver = std::numeric_limits<double>::max();
@@ -41,7 +42,7 @@ ActiveEffect::ActiveEffect(const EffectConfig& effect) : values(effect) {
 std::vector<ActiveEffect> active_effects(const std::vector<EffectConfig>& effects, std::string_view id) {
   std::vector<ActiveEffect> out;
   for (const auto& e : effects)
-    if (e.id == id) out.emplace_back(e);
+    if (e.id == id) out.emplace_back(e, static_cast<int>(out.size()) + 1);
   return out;
 }
 

@@ -1,6 +1,7 @@
 /// An effect of the configuration made ready for the simulator: its numbers, where it acts and when.
 #pragma once
 #include <array>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -29,8 +30,10 @@ struct ActiveEffect {
   Vec3 axes = Vec3::Ones();       ///< 1 on chosen axes, else 0
   std::array<bool, 3> sensors{};  ///< acc, gyr, mag: what it acts on
   double from_s = 0.0, to_s = 0.0;
+  std::string source;  ///< of its random numbers: each entry has a stream of its own
 
-  explicit ActiveEffect(const EffectConfig& effect);
+  /// `entry`: how many of its ID there are up to this one.
+  explicit ActiveEffect(const EffectConfig& effect, int entry = 1);
   [[nodiscard]] bool active(double t_s) const noexcept { return t_s >= from_s && t_s <= to_s; }
   [[nodiscard]] bool on(int axis, double t_s) const noexcept { return axes[axis] != 0.0 && active(t_s); }
   [[nodiscard]] bool covers(Sensor sensor) const noexcept { return sensors[static_cast<std::size_t>(sensor)]; }

@@ -9,16 +9,14 @@ Clock::Clock(const std::vector<EffectConfig>& effects, double rate_hz, std::uint
       skew_(active_effects(effects, "sys_skew")),
       gap_(active_effects(effects, "sys_gap")),
       offset_(active_effects(effects, "sys_offset")),
-      jitter_(active_effects(effects, "sys_jitter")),
       delay_{active_effects(effects, "acc_delay"), active_effects(effects, "gyr_delay"),
-             active_effects(effects, "mag_delay")},
-      jitter_shift_s_(jitter_.size()),
-      jitter_random_(seed, "sys_jitter") {}
+             active_effects(effects, "mag_delay")} {
+  for (const auto& e : active_effects(effects, "sys_jitter")) jitter_.emplace_back(e, seed);
+}
 
 void Clock::start_row(double row_t_s) noexcept {
   row_t_s_ = row_t_s;
-  for (std::size_t i = 0; i < jitter_.size(); ++i)
-    jitter_shift_s_[i] = jitter_[i].values.scalar(0) * jitter_random_.normal();
+  for (auto& j : jitter_) j.shift_s = j.values.scalar(0) * j.random.normal();
 }
 
 double Clock::time_s(Sensor sensor, int axis) const noexcept {
@@ -30,8 +28,8 @@ double Clock::time_s(Sensor sensor, int axis) const noexcept {
     if (here(g) && row_t_s_ > g.values.scalar(1)) t += g.values.scalar(0) / rate_hz_;
   for (const auto& o : offset_)
     if (here(o)) t -= o.values.scalar(0);
-  for (std::size_t i = 0; i < jitter_.size(); ++i)
-    if (here(jitter_[i])) t += jitter_shift_s_[i];
+  for (const auto& j : jitter_)
+    if (here(j)) t += j.shift_s;
   double delay_s = 0.0;
   for (const auto& d : delay_[static_cast<std::size_t>(sensor)])
     if (here(d)) delay_s += d.values.scalar(0);
@@ -39,7 +37,7 @@ double Clock::time_s(Sensor sensor, int axis) const noexcept {
 }
 
 bool Clock::together(Sensor sensor, int axis, int other) const noexcept {
-  const auto same = [&](const std::vector<ActiveEffect>& effects) {
+  const auto same = [&](const auto& effects) {
     return std::all_of(effects.begin(), effects.end(),
                        [&](const auto& e) { return e.covers(sensor, axis) == e.covers(sensor, other); });
   };

@@ -22,11 +22,16 @@ class Clock {
   [[nodiscard]] bool together(Sensor sensor, int axis, int other) const noexcept;
 
  private:
+  struct Jitter : ActiveEffect {
+    Stream random;
+    double shift_s = 0.0;  ///< of this row
+    Jitter(const ActiveEffect& e, std::uint64_t seed) : ActiveEffect(e), random(seed, source) {}
+  };
+
   double rate_hz_, row_t_s_ = 0.0;
-  std::vector<ActiveEffect> skew_, gap_, offset_, jitter_;
+  std::vector<ActiveEffect> skew_, gap_, offset_;
   std::array<std::vector<ActiveEffect>, 3> delay_;
-  std::vector<double> jitter_shift_s_;  ///< of this row, one per entry of jitter_
-  Stream jitter_random_;
+  std::vector<Jitter> jitter_;
 };
 
 }  // namespace stillpoint::sim

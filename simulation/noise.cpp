@@ -56,7 +56,7 @@ RandomWalk::RandomWalk(const Vec3& q, double step_s, std::uint64_t seed, const s
     : random_(seed, source), step_(std::sqrt(step_s) * q) {}
 
 Vec3 RandomWalk::next() noexcept {
-  const Vec3 now = state_;
+  Vec3 now = state_;
   state_ += step_.cwiseProduct(random_.normal3());
   return now;
 }

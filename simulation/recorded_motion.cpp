@@ -117,6 +117,7 @@ SmoothingSpline<Columns> smoothed(const CurveSamples<Columns>& flat, const std::
 std::vector<std::pair<double, double>> spans_s(const std::vector<double>& t_s, const std::vector<Span>& rests,
                                                double step_s) {
   std::vector<std::pair<double, double>> out;
+  out.reserve(rests.size());
   for (const auto& [first, last] : rests) out.emplace_back(t_s[first] + 3.0 * step_s, t_s[last] - 3.0 * step_s);
   return out;
 }

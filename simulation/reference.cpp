@@ -11,7 +11,7 @@ Reference::Reference(const SimulationConfig& config, std::uint64_t seed) {
     errors_.emplace_back(r.orientation_sd_rad, r.position_sd_m, r.band_hz, step_s, seed, "reference");
   for (const auto& e : active_effects(config.effects, "ref_error")) {
     const auto& v = e.values;
-    errors_.emplace_back(v.scalar(0), v.scalar(1), v.scalar(2), step_s, seed, "effect ref_error").of = {e};
+    errors_.emplace_back(v.scalar(0), v.scalar(1), v.scalar(2), step_s, seed, e.source).of = {e};
   }
 }
 

@@ -29,14 +29,13 @@ Simulator::Simulator(const SimulationConfig& config, std::shared_ptr<const Motio
       environment_(config.environment, *motion_, std::move(recorded), seed),
       clock_(config.effects, config.rate_hz, seed),
       reference_(config, seed),
-      dup_(active_effects(config.effects, "sys_dup")),
       tracker_(active_effects(config.effects, "sys_tracker")),
       frame_(active_effects(config.effects, "ref_frame")),
-      dup_random_(seed, "sys_dup"),
       lost_random_(seed, "timing lost"),
       aux_random_(seed, "environment noise"),
       now_t_s_(std::numeric_limits<double>::quiet_NaN()) {
   remembered_.fill({std::numeric_limits<double>::quiet_NaN(), {}});
+  for (const auto& e : active_effects(config.effects, "sys_dup")) dup_.emplace_back(e, seed);
   SP_EXPECTS(frame_.size() <= 32);  // bits of a mask; the reader of the YAML refuses more
   for (const auto& f : frame_) R_sensor_body_.push_back(exp_so3(-f.values.vec3(0)));
   const std::optional<TriadConfig>* triads[] = {&config_.accelerometer, &config_.gyroscope, &config_.magnetometer};
@@ -186,8 +185,8 @@ void Simulator::track_bias(double row_t_s, RawSample& out) noexcept {
 }
 
 void Simulator::transport(double row_t_s, RawSample& out) noexcept {
-  for (const auto& d : dup_) {
-    const bool repeat = dup_random_.uniform() < d.values.scalar(0);
+  for (auto& d : dup_) {
+    const bool repeat = d.random.uniform() < d.values.scalar(0);
     if (!repeat || !d.active(row_t_s) || row_ == 0) continue;
     for (const Sensor sensor : kSensors) {
       const SamplePart part = kParts[static_cast<std::size_t>(sensor)];

@@ -76,9 +76,14 @@ class Simulator {
   Clock clock_;
   Reference reference_;
   std::array<std::optional<Chain>, 3> chains_;
-  std::vector<ActiveEffect> dup_, tracker_, frame_;
+  struct Duplicates : ActiveEffect {
+    Stream random;
+    Duplicates(const ActiveEffect& e, std::uint64_t seed) : ActiveEffect(e), random(seed, source) {}
+  };
+  std::vector<Duplicates> dup_;
+  std::vector<ActiveEffect> tracker_, frame_;
   std::vector<Mat3> R_sensor_body_;  ///< one per entry of frame_
-  Stream dup_random_, lost_random_, aux_random_;
+  Stream lost_random_, aux_random_;
   /// The motion at the last few times asked for: filters of two sensors step through the same ones.
   struct Remembered {
     double t_s;

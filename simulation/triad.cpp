@@ -12,21 +12,16 @@ Triad::Triad(Sensor sensor, const SimulationConfig& config, const TriadConfig& t
       inverse_(triad.matrix.inverse()),
       bias_(triad.bias),
       noise_(triad, 1.0 / config.rate_hz, seed, prefix(sensor)) {
-  const std::string own = std::string(prefix(sensor)) + "_";
-  for (const auto& effect : config.effects)
-    if (effect.id.starts_with(own)) add_effect(effect, effect.id.substr(own.size()), config, seed);
-}
-
-void Triad::add_effect(const EffectConfig& e, const std::string& kind, const SimulationConfig& config,
-                       std::uint64_t seed) {
+  const std::string own = prefix(sensor);
+  for (const auto& e : config.effects)
+    if (e.id == own + "_sat" && !clips_before_the_filter(e, config.effects)) clip_.emplace_back(e);
+  quantum_ = active_effects(config.effects, own + "_quant");
+  dead_zone_ = active_effects(config.effects, own + "_deadzone");
+  hold_ = active_effects(config.effects, own + "_hold");
+  flip_ = active_effects(config.effects, own + "_flip");
   const double step_s = 1.0 / config.rate_hz;
-  if (kind == "sat" && !clips_before_the_filter(e, config.effects)) clip_.emplace_back(e);
-  if (kind == "quant") quantum_.emplace_back(e);
-  if (kind == "deadzone") dead_zone_.emplace_back(e);
-  if (kind == "hold") hold_.emplace_back(e);
-  if (kind == "flip") flip_.emplace_back(e);
-  if (kind == "drift") drift_.emplace_back(e, step_s, seed);
-  if (kind == "instability") instability_.emplace_back(e, step_s, seed);
+  for (const auto& e : active_effects(config.effects, own + "_drift")) drift_.emplace_back(e, step_s, seed);
+  for (const auto& e : active_effects(config.effects, own + "_instability")) instability_.emplace_back(e, step_s, seed);
 }
 
 Vec3 Triad::reading(const Vec3& signal, double row_t_s) noexcept {

@@ -23,12 +23,10 @@ class Triad {
   template <class Noise>
   struct NoiseEffect : ActiveEffect {
     Noise noise;
-    NoiseEffect(const EffectConfig& e, double step_s, std::uint64_t seed)
-        : ActiveEffect(e), noise(values.vec3(0), step_s, seed, "effect " + e.id) {}
+    NoiseEffect(const ActiveEffect& e, double step_s, std::uint64_t seed)
+        : ActiveEffect(e), noise(values.vec3(0), step_s, seed, source) {}
   };
 
-  void add_effect(const EffectConfig& effect, const std::string& kind, const SimulationConfig& config,
-                  std::uint64_t seed);
   [[nodiscard]] Vec3 digital(Vec3 y, double t_s) noexcept;
 
   Mat3 matrix_, inverse_;

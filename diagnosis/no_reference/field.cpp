@@ -74,6 +74,7 @@ void measure(std::vector<Cell>& cells) {
 
 std::vector<Interval> disturbed(const io::Recording& r, const std::vector<Cell>& cells) {
   std::vector<double> all;
+  all.reserve(cells.size());
   for (const Cell& c : cells) all.push_back(c.departure_uT);
   const double limit = std::max(kLeast_uT, kOverUsual * median(all));
   std::vector<Interval> found;

@@ -71,12 +71,13 @@ class Laws {
     for (auto& c : more) to.push_back(std::move(c));
   }
   void add(const std::string& id, Sensor sensor, const std::string& equation, const std::string& driver,
-           std::vector<std::string> names, const std::string& unit, std::function<std::vector<LawColumn>()> columns) {
+           std::vector<std::string> names, const std::string& unit,
+           const std::function<std::vector<LawColumn>()>& columns) {
     laws_.push_back(
         {id, equation, driver, sensor, std::move(names), unit, "", "", {}, [columns](double) { return columns(); }});
   }
   void add_diagonal(const std::string& id, Sensor sensor, const std::string& equation, const std::string& driver,
-                    const std::string& unit, Signal s) {
+                    const std::string& unit, const Signal& s) {
     add(id, sensor, equation, driver, {"k_x", "k_y", "k_z"}, unit, [this, sensor, s] { return diagonal(sensor, s); });
   }
 

@@ -31,10 +31,10 @@ bool family(const std::string& a, const std::string& b) {
   const auto split = [](const std::string& id) {
     return std::pair{id.substr(0, id.find('_')), id.substr(id.find('_') + 1)};
   };
-  const auto [sensor_a, law_a] = split(a);
-  const auto [sensor_b, law_b] = split(b);
-  return sensor_a == sensor_b && std::any_of(kFamilies.begin(), kFamilies.end(),
-                                             [&](const auto& f) { return holds(f, law_a) && holds(f, law_b); });
+  const std::pair first = split(a), second = split(b);
+  return first.first == second.first && std::any_of(kFamilies.begin(), kFamilies.end(), [&](const auto& f) {
+           return holds(f, first.second) && holds(f, second.second);
+         });
 }
 
 struct Stated {

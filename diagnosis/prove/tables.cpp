@@ -92,7 +92,9 @@ std::string outcomes(const Scores& scores) {
   std::string text = fmt::format("{:9} {:6} {:>5}", "kind", "ref", "n");
   for (const auto& c : columns) text += fmt::format(" {:>7}", c);
   for (const auto& [kind, reference] : kinds) {
-    const auto here = [&](const CaseScore& s) { return s.truth.kind == kind && s.truth.reference == reference; };
+    const auto here = [&kind = kind, &reference = reference](const CaseScore& s) {
+      return s.truth.kind == kind && s.truth.reference == reference;
+    };
     text += fmt::format("\n{:9} {:6} {:5}", kind, reference, std::count_if(scores.begin(), scores.end(), here));
     for (const auto& c : columns)
       text += fmt::format(" {:7}", std::count_if(scores.begin(), scores.end(),
@@ -107,12 +109,13 @@ std::string by_noise(const Scores& scores) {
     if (clean(s)) kinds.insert({s.truth.noise, s.truth.reference});
   std::string text;
   for (const auto& [noise, reference] : kinds)
-    text += fmt::format(
-        "  {:9} {:6} {}\n", noise, reference,
-        in_words(rate(
-            scores,
-            [&](const CaseScore& s) { return clean(s) && s.truth.noise == noise && s.truth.reference == reference; },
-            alarm)));
+    text += fmt::format("  {:9} {:6} {}\n", noise, reference,
+                        in_words(rate(
+                            scores,
+                            [&, &noise = noise, &reference = reference](const CaseScore& s) {
+                              return clean(s) && s.truth.noise == noise && s.truth.reference == reference;
+                            },
+                            alarm)));
   return text;
 }
 

@@ -36,7 +36,7 @@ Series periodogram(const Series3& x, const Mask& rest, bool resting, Eigen::Inde
 
 }  // namespace
 
-double motion_band_Hz(const Series3& x, const Mask& rest, double dt_s, double ratio, double lowest_Hz,
+double motion_band_hz(const Series3& x, const Mask& rest, double dt_s, double ratio, double lowest_Hz,
                       double highest_Hz) {
   const auto length = static_cast<Eigen::Index>(std::lround(1.28 / dt_s)) / 2 * 2;
   Eigen::Index resting = 0, moving = 0;

@@ -7,7 +7,7 @@ namespace stillpoint::diag {
 
 /// Highest frequency up to which the power in motion exceeds that at rest by `ratio`, in [lowest, highest].
 /// `highest` when there is no rest to compare with.
-[[nodiscard]] double motion_band_Hz(const Series3& x, const Mask& rest, double dt_s, double ratio, double lowest_Hz,
+[[nodiscard]] double motion_band_hz(const Series3& x, const Mask& rest, double dt_s, double ratio, double lowest_Hz,
                                     double highest_Hz);
 
 }  // namespace stillpoint::diag

@@ -51,8 +51,8 @@ void fill_spectrum(const Series& before, const Series& after, const NoiseModel& 
   Eigen::Index length = 16;
   while (2 * length <= kLongestWindow && kFewestWindows * length <= layout.n) length *= 2;
   if (length > layout.n) return;
-  const Series f = Series::LinSpaced(length / 2 - 1, 1.0, static_cast<double>(length / 2 - 1)) /
-                   (static_cast<double>(length) * dt_s);
+  const Eigen::Index bins = length / 2 - 1;
+  const Series f = Series::LinSpaced(bins, 1.0, static_cast<double>(bins)) / (static_cast<double>(length) * dt_s);
   const auto stored = [](const Series& v) { return std::vector<double>(v.data(), v.data() + v.size()); };
   out.frequency_hz = stored(f);
   out.psd_before = stored(density(before, layout, length, dt_s));

@@ -207,9 +207,7 @@ std::vector<std::string> subtract_effects(Signals& s, const std::vector<sim::Eff
       if (!mine && !common) continue;
       if (e.id == "gyr_earth")
         done = subtract_earth(s, e, s.latitude_rad) || done;
-      else if (subtract_timing(s, k, e))
-        done = true;
-      else if (mine && (subtract_line(s, k, e) || subtract_linear(s, k, e, tracker)))
+      else if (subtract_timing(s, k, e) || (mine && (subtract_line(s, k, e) || subtract_linear(s, k, e, tracker))))
         done = true;
     }
     if (!done) unknown.push_back(e.id);

@@ -230,6 +230,7 @@ std::optional<Found> next_effect(const Signals& s, SensorSearch& search) {
   for (Found& f : refined) judge.weigh(f);
   std::sort(refined.begin(), refined.end(), [](const Found& a, const Found& b) { return a.net_nats > b.net_nats; });
   std::vector<Ranked> ranking;
+  ranking.reserve(refined.size());
   for (const Found& f : refined) ranking.push_back({f.id, f.window, f.gain_nats, f.net_nats});
   if (search.found.empty()) search.ranking = ranking;
 

@@ -257,7 +257,7 @@ void hold_at_rest(Signals& s) {
 void choose_vectors(Signals& s) {
   const double highest = std::min(kMotionBand_Hz, 0.2 / s.dt_s);
   const auto limited = [&](const Series3& x) {
-    return apply_response(x, s.dt_s, low_pass(motion_band_Hz(x, s.rest, s.dt_s, kMotionOverNoise, 1.5, highest)));
+    return apply_response(x, s.dt_s, low_pass(motion_band_hz(x, s.rest, s.dt_s, kMotionOverNoise, 1.5, highest)));
   };
   if (!s.exact_reference) {
     for (Series3& axis : s.world_axis) axis = limited(axis);

@@ -59,7 +59,7 @@ Series3 skewed(const Signals& s, Sensor k, double epsilon) {
 }
 
 TimingLaw one_number(std::string id, std::string name, std::string unit, std::string equation, std::string driver,
-                     std::vector<double> starts, std::function<Series3(double)> delta) {
+                     const std::vector<double>& starts, std::function<Series3(double)> delta) {
   TimingLaw law{
       std::move(id), {std::move(name)}, {std::move(unit)}, std::move(equation), std::move(driver), {}, {}, {}};
   for (const double x : starts) law.starts.push_back(Eigen::VectorXd::Constant(1, x));

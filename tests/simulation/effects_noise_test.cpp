@@ -139,5 +139,30 @@ TEST(Law, RefErrorHasItsSizeAndItsBand) {
   }
 }
 
+/// What a second entry of the same effect adds is as large as what the first adds, and has nothing to do with it.
+TEST(Law, EachEntryHasRandomNumbersOfItsOwn) {
+  for (const char* yaml :
+       {"{effect: acc_drift, q_mps2_per_sqrts: [1, 1, 1]}", "{effect: gyr_drift, q_radps_per_sqrts: [1, 1, 1]}",
+        "{effect: mag_drift, q_uT_per_sqrts: [1, 1, 1]}", "{effect: gyr_instability, b_radps: [1, 1, 1]}",
+        "{effect: sys_jitter, sd_s: 1.0e-4}", "{effect: sys_dup, fraction: 0.1}"}) {
+    const EffectConfig e = effect(yaml);
+    const Twins first({e}), both({e, e});
+    double own = 0.0, added = 0.0, common = 0.0;
+    std::array<Vec3, 6> last{};
+    for (std::size_t i = 0; i < first.size(); ++i) {
+      const std::array<Vec3, 6> now{first.acc(i), first.gyr(i), first.mag(i), both.acc(i), both.gyr(i), both.mag(i)};
+      for (std::size_t k = 0; k < 3 && i > 0; ++k) {
+        const Vec3 a = now[k] - last[k], b = now[k + 3] - last[k + 3] - a;
+        own += a.squaredNorm();
+        added += b.squaredNorm();
+        common += a.dot(b);
+      }
+      last = now;
+    }
+    EXPECT_NEAR(std::sqrt(added / own), 1.0, 0.3) << yaml;
+    EXPECT_LT(std::abs(common) / std::sqrt(own * added), 0.3) << yaml;
+  }
+}
+
 }  // namespace
 }  // namespace stillpoint::sim

@@ -122,5 +122,18 @@ TEST(Strength, RandomWalkHidesWhatIsSlow) {
   EXPECT_NEAR(d_prime("", fast), std::sqrt(1.5 * 6000.0), 0.5);
 }
 
+/// The second of two entries keeps its random numbers while the first is taken off for its twin.
+TEST(Strength, OfOneOfTwoRandomEntriesIsItsOwn) {
+  SimulationConfig c = base_config();
+  const EffectConfig e = effect("{effect: gyr_drift, q_radps_per_sqrts: [0.01, 0.01, 0.01]}");
+  const std::shared_ptr<const Motion> motion = make_motion(*c.motion, 4);
+  c.effects = {e};
+  const double alone = effect_strengths(c, motion, 4, {}).at(0).sensor[1].rms_over_noise;
+  c.effects = {e, e};
+  const auto both = effect_strengths(c, motion, 4, {});
+  EXPECT_NEAR(both[0].sensor[1].rms_over_noise, alone, 1e-9 * alone);
+  EXPECT_GT(std::abs(both[1].sensor[1].rms_over_noise - alone), 1e-3 * alone);
+}
+
 }  // namespace
 }  // namespace stillpoint::sim
