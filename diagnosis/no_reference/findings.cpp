@@ -93,7 +93,7 @@ Finding describe(const SelfConsistency& model, const Candidate& c, const std::ve
                  ? "seen in the rate at rest and in how the integrated attitude turns field and gravity"
                  : "seen in the field against the attitude integrated from the gyro";
   for (const auto& other : ranking) {
-    if (other.law == c.law || other.score <= 0) continue;
+    if (other.law->id == c.law->id || other.score <= 0) continue;
     if (c.score - other.score < kEquivalent_nats && f.equivalent.size() < 2) f.equivalent.push_back(other.law->id);
     if (f.runner_up_effect.empty()) {
       f.runner_up_effect = other.law->id;

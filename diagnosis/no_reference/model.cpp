@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/so3.h"
+#include "diagnosis/no_reference/closure.h"
 
 namespace stillpoint::diag::detail {
 namespace {
@@ -11,7 +12,7 @@ namespace {
 constexpr std::size_t kMostMagRows = 9000;
 constexpr double kRestCell_s = 0.5;
 constexpr int kArOrder = 6;
-constexpr double kIntegration_rad = 1e-3;  // per bout: what sampling at the recording's rate loses
+constexpr double kLeastClosure_rad = 1e-4;
 // How far the simulation's calibration may be off (matrix entries; offsets in the sensor's unit).
 constexpr double kMatrixPrior = 0.05, kGyroOffsetPrior = 0.05, kAccOffsetPrior = 0.5, kMagOffsetPrior = 10.0,
                  kFieldPrior_uT = 8.0, kAttitudePrior_rad = 0.5;
@@ -57,11 +58,18 @@ SelfConsistency::SelfConsistency(const io::Recording& recording, const sim::Simu
   prior_sd_.segment<3>(kMagAt + 9).setConstant(kMagOffsetPrior);
   prior_sd_.segment<3>(kFieldAt).setConstant(kFieldPrior_uT);
   prior_sd_.segment<3>(kKnotsAt).setConstant(kAttitudePrior_rad);
-  const double walk = simulation.gyroscope->noise_sd * std::sqrt(recording.median_step_s());
+}
+
+/// How far the attitude may have to be put right at each rest: what the noise of the rate adds up to since the rest
+/// before, and what sampling loses.
+void SelfConsistency::expect_closure() {
+  const double walk = std::max(simulation_.gyroscope->noise_sd * std::sqrt(recording_.median_step_s()),
+                               std::sqrt(rate_sd_.squaredNorm() / 3.0 * kRestCell_s));  // rad per sqrt(s)
   for (std::size_t k = 1; k < knots_.size(); ++k) {
-    const double span_s = recording.t_s(knots_[k]) - recording.t_s(knots_[k - 1]);
-    prior_sd_.segment<3>(kKnotsAt + 3 * static_cast<long>(k))
-        .setConstant(kIntegration_rad + 2.0 * walk * std::sqrt(span_s));
+    const double span_s = recording_.t_s(knots_[k]) - recording_.t_s(knots_[k - 1]);
+    const double sd =
+        std::hypot(walk * std::sqrt(span_s), integration_error_rad(recording_, rate_, knots_[k - 1], knots_[k]));
+    prior_sd_.segment<3>(kKnotsAt + 3 * static_cast<long>(k)).setConstant(sd + kLeastClosure_rad);
   }
 }
 
@@ -105,13 +113,7 @@ void SelfConsistency::integrate() {
   Quat q = first_attitude_;
   std::size_t knot = 0;
   for (std::size_t i = 0; i < n; ++i) {
-    if (i > first.first) {
-      const double dt = recording_.t_s(i) - recording_.t_s(i - 1);
-      const Vec3 &w0 = rate_[i - 1], &w1 = rate_[i];
-      // Third-order in the rates of the neighbours, with the coning term of two straight pieces.
-      const Vec3 bend = i >= 2 && i + 1 < n ? (w0 + w1 - rate_[i - 2] - rate_[i + 1]).eval() : Vec3::Zero().eval();
-      q = (q * exp_quat(dt * (0.5 * (w0 + w1) + bend / 24.0) + dt * dt / 12.0 * w0.cross(w1))).normalized();
-    }
+    if (i > first.first) q = (q * turn_between(recording_, rate_, i - 1, i)).normalized();
     for (; knot < knots_.size() && knots_[knot] == i; ++knot)
       q = (exp_quat(x_.segment<3>(kKnotsAt + 3 * static_cast<long>(knot))) * q).normalized();
     R_[i] = q.toRotationMatrix();

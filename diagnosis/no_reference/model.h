@@ -72,9 +72,12 @@ class SelfConsistency {
   [[nodiscard]] const std::vector<Vec3>& force_mps2() const { return force_; }  ///< corrected, every row
   [[nodiscard]] const std::vector<Vec3>& field_uT() const { return field_; }    ///< predicted in the body, every row
   [[nodiscard]] const std::vector<Mat3>& R_world_body() const { return R_; }
-  [[nodiscard]] std::size_t observations() const { return static_cast<std::size_t>(y_.size()); }
   /// Root mean square of the whitened rest readings of the accelerometer: 1 where only noise is left.
   [[nodiscard]] double force_misfit() const;
+  /// Of the readings and of what the nuisances had to move against what is expected of them.
+  [[nodiscard]] double misfit_nats() const {
+    return 0.5 * (y_.squaredNorm() + x_.cwiseQuotient(prior_sd_.head(x_.size())).squaredNorm());
+  }
   /// Mean square of all whitened residuals: 1 where gyro, field and rests agree within their noise.
   [[nodiscard]] double dispersion() const {
     return y_.squaredNorm() / static_cast<double>(std::max<long>(y_.size(), 1));
@@ -89,6 +92,7 @@ class SelfConsistency {
   void integrate();
   void predict();
   void find_noise();
+  void expect_closure();
   [[nodiscard]] Eigen::MatrixXd columns(const std::vector<LawColumn>& law) const;  ///< not yet whitened
   [[nodiscard]] Eigen::MatrixXd whitened(const std::vector<LawColumn>& law) const;
   [[nodiscard]] Eigen::MatrixXd nuisance_columns() const;  ///< not yet whitened

@@ -8,11 +8,13 @@ namespace stillpoint::diag::detail {
 namespace {
 
 constexpr double kLargestTau_s = 0.1;
+constexpr double kNatsPerCoefficient = 2.0;
 constexpr int kPassesOfGiven = 4;
 
-/// BIC charge for the coefficients, and the logarithm of the number of places and names searched.
-double charge(std::size_t coefficients, std::size_t grid, std::size_t names, std::size_t observations) {
-  return 0.5 * static_cast<double>(coefficients) * std::log(static_cast<double>(observations) / 30.0) +
+/// For the coefficients as with a reference (docs/decisions/043), and the logarithm of the number of places and names
+/// searched.
+double charge(std::size_t coefficients, std::size_t grid, std::size_t names) {
+  return kNatsPerCoefficient * static_cast<double>(coefficients) +
          std::log(static_cast<double>(std::max<std::size_t>(grid, 1))) + std::log(static_cast<double>(names));
 }
 
@@ -92,7 +94,7 @@ std::vector<Candidate> rank(const SelfConsistency& model, const std::vector<Witn
   std::vector<Candidate> all;
   for (const auto& law : laws) {
     Candidate best = law.grid.empty() ? at(model, law, 0.0) : over_grid(model, law);
-    best.score = best.fit.gain_nats - charge(law.names.size(), law.grid.size(), laws.size(), model.observations());
+    best.score = best.fit.gain_nats - charge(law.names.size(), law.grid.size(), laws.size());
     if (plausible(best)) all.push_back(std::move(best));
   }
   std::sort(all.begin(), all.end(), [](const auto& a, const auto& b) { return a.score > b.score; });

@@ -14,11 +14,13 @@ constexpr double kBlock_s =
 
 void SelfConsistency::settle() {
   prior_sd_.conservativeResize(x_.size());
-  const Eigen::VectorXd information = prior_sd_.cwiseAbs2().cwiseInverse();
+  Eigen::VectorXd information;
   for (int pass = 0; pass < 4; ++pass) {
     integrate();
     predict();
     find_noise();
+    expect_closure();
+    information = prior_sd_.cwiseAbs2().cwiseInverse();
     N_ = nuisance_columns();
     whiten(N_);
     Eigen::MatrixXd r = residual();

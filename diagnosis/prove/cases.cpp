@@ -107,11 +107,10 @@ sim::EffectConfig draw_effect(Draw& draw, const std::string& id, double duration
   return e;
 }
 
-/// d' of one effect alone; where no reference is given, that of the same motion under an exact one.
+/// d' of one effect alone, as seen with the reference that is given, or with none.
 double d_prime_of(sim::SimulationConfig config, std::size_t which, const std::shared_ptr<const sim::Motion>& motion,
                   std::uint64_t seed) {
   config.effects = {config.effects[which]};
-  if (config.reference.kind == "none") config.reference.kind = "exact";
   return whitened_d_prime(config, motion, seed);
 }
 

@@ -5,12 +5,13 @@
 
 #include <cmath>
 
+#include "diagnosis/prove/prove.h"
 #include "tests/diagnosis/simulated.h"
 
 namespace stillpoint::diag {
 namespace {
 
-sim::SimulationConfig baseline() { return test::baseline("none", 120.0); }
+sim::SimulationConfig baseline() { return test::baseline("none", 90.0); }
 
 io::Recording record(const sim::SimulationConfig& config, std::uint64_t seed) {
   return test::record(config, "", {}, seed);
@@ -42,6 +43,42 @@ TEST(NoReference, NamesGravitySensitivityWithItsMatrix) {
     EXPECT_NEAR(p.value, G[i], 1.0 * (p.ci95[1] - p.ci95[0])) << i;  // twice the half width: 1 in 10 000 for each
     EXPECT_LT(p.ci95[1] - p.ci95[0], 3e-5) << i;
   }
+}
+
+/// Numbers of a law with one number an axis, within twice their half width.
+void expect_axes(const Finding& f, const std::vector<double>& truth, double largest_width) {
+  for (std::size_t k = 0; k < 3; ++k) {
+    const auto& p = f.parameters[k];
+    EXPECT_NEAR(p.value, truth[k], p.ci95[1] - p.ci95[0]) << k;
+    EXPECT_LT(p.ci95[1] - p.ci95[0], largest_width) << k;
+  }
+}
+
+TEST(NoReference, NamesTheAsymmetryOfTheGyroscopeFromTheClosureOfItsTurns) {
+  const std::vector<double> k{6e-4, -3e-4, 5e-4};
+  const auto d = diagnosed("gyr_asym", {{"k", k}}, 7);
+  ASSERT_FALSE(d.findings.empty()) << d.summary;
+  ASSERT_EQ(d.findings[0].effect, "gyr_asym");
+  expect_axes(d.findings[0], k, 3e-4);
+}
+
+TEST(NoReference, NamesTheCurvatureOfTheGyroscope) {
+  const std::vector<double> k{1.5e-3, -1e-3, 1.2e-3};
+  const auto d = diagnosed("gyr_cubic", {{"k3_per_radps_2", k}}, 8);
+  ASSERT_FALSE(d.findings.empty()) << d.summary;
+  ASSERT_EQ(d.findings[0].effect, "gyr_cubic");
+  expect_axes(d.findings[0], k, 4e-4);
+}
+
+/// So large that the attitude integrated with it, and everything judged by that attitude, is bent: at first a step of
+/// the field explains more.
+TEST(NoReference, NamesACurvatureThatBendsTheAttitude) {
+  const SealedCase c = draw_case("final-600", 86, true);
+  ASSERT_TRUE(c.truth.effects.contains("gyr_cubic"));
+  const auto d = diagnose_without_reference(c.recording, c.baseline);
+  ASSERT_FALSE(d.findings.empty()) << d.summary;
+  EXPECT_EQ(d.ranking.front().effect, "mag_field_step");
+  EXPECT_EQ(d.findings[0].effect, "gyr_cubic");
 }
 
 TEST(NoReference, NamesTheDelayOfTheMagnetometer) {
