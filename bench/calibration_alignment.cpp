@@ -72,7 +72,8 @@ Errors run(const Gyro& gyro, bool one_axis, int windows, int runs) {
 
 }  // namespace
 
-void alignment_and_gyro() {
+Figures alignment_and_gyro() {
+  Figures figures;
   std::printf(
       "\n== Misalignment between triads, 24 windows, turns of 40 to 126 deg in 3 s, 1 mrad of direction noise a pair; "
       "rms of 300 runs, seed 77, deg ==\n");
@@ -82,9 +83,13 @@ void alignment_and_gyro() {
     const Errors e = run(g, false, 24, 300);
     std::printf("%-46s %10.4f %12.4f %18.4f   (%d refused)\n", g.name, rms(e.pairwise), rms(e.ratio), rms(e.chained),
                 e.refused);
+    figures[std::string(g.name).substr(0, 4) + ".pairwise_deg"] = rms(e.pairwise);
+    figures[std::string(g.name).substr(0, 4) + ".predicted_deg"] = rms(e.ratio);
   }
   const Errors one = run({"", 0.005, 0.0005, 0.005}, true, 24, 300);
   std::printf("turns about one axis only: %d of 300 refused as not observable\n", one.refused);
+  figures["one_axis.refused"] = one.refused;
+  return figures;
 }
 
 }  // namespace stillpoint::bench

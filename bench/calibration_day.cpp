@@ -70,26 +70,39 @@ double temperature(double t_s) {
   return std::clamp(25 + 21 * std::sin(2 * 3.14159265 * h / 24.0) + 5 * std::sin(2 * 3.14159265 * h / 3.1), 0.0, 50.0);
 }
 
+/// Half the width of the loop that a lag of 20 minutes makes of the day's swings, K: the amplitude of T - lag.
+double loop_K() {
+  std::vector<double> apart;
+  double lag = temperature(0);
+  for (int minute = 0; minute < 1440; ++minute) {
+    const double T = temperature(60.0 * minute);
+    lag += (T - lag) * 60.0 / 1200.0;
+    apart.push_back(T - lag);
+  }
+  return std::sqrt(2.0) * rms(apart);
+}
+
 struct Policy {
   const char* name;
   calib::OnlineCalibratorParams params;
 };
 
+/// The prior is that of the sensors drawn above, as a data sheet would give it.
 calib::OnlineCalibratorParams day_params(const char* model, double keep) {
   calib::OnlineCalibratorParams p;
   p.temperature_model = model;
   p.temperature_cells.keep = keep;
   p.accelerometer.bias_sd_mps2 = 5 * kMg;
   p.accelerometer.scale_sd = 0.002;
-  p.accelerometer.shear_sd = 0.002;
+  p.accelerometer.shear_sd = 0.002 * std::sqrt(2.0);  // an angle between two axes is the sum of two elements
   p.accelerometer.bias_curvature_sd_mps2 = 5 * kMg;
   p.accelerometer.matrix_per_25K_sd = 0.003;
   p.accelerometer.bias_per_K_sd_mps2 = 0.8 * kMg;
-  p.accelerometer.wander_sd_mps2 = 1 * kMg;
-  p.accelerometer.norm_floor_mps2 = 0.5 * kMg;
+  p.accelerometer.wander_sd_mps2 = 0.15 * kMg * loop_K();
+  p.accelerometer.norm_floor_mps2 = 0.3 * kMg;  // as much again as the windows' noise
   p.gyroscope.bias_sd_radps = 0.3 * kRadPerDeg;
-  if (std::string(model) != "polynomial") {
-    // Without slopes the prior of a cell is the factory calibration's error at that temperature.
+  if (std::string(model) == "none") {
+    // Without a temperature model the prior is the factory calibration's error at any temperature.
     p.accelerometer.bias_sd_mps2 = 11 * kMg;
     p.accelerometer.scale_sd = p.accelerometer.shear_sd = 0.004;
   }
@@ -97,7 +110,7 @@ calib::OnlineCalibratorParams day_params(const char* model, double keep) {
 }
 
 struct DayResult {
-  double acc_mg[2]{}, gyr_dps[2]{}, factory_mg = 0, factory_dps = 0, last_window_dps = 0, worse = 0, ratio = 0;
+  double acc_mg[2]{}, gyr_dps[2]{}, factory_mg = 0, factory_dps = 0, last_window_dps = 0, worse = 0, predicted_mg = 0;
 };
 
 DayResult day(const calib::OnlineCalibratorParams& params, unsigned seed) {
@@ -167,13 +180,14 @@ DayResult day(const calib::OnlineCalibratorParams& params, unsigned seed) {
   r.factory_dps = rms(factory_gyr);
   r.last_window_dps = rms(last_gyr);
   r.worse = 100.0 * worse / minutes;
-  r.ratio = rms(predicted) / r.acc_mg[1];
+  r.predicted_mg = rms(predicted);
   return r;
 }
 
 }  // namespace
 
-void worn_and_adjusted() {
+Figures worn_and_adjusted() {
+  Figures figures;
   std::printf(
       "\n== Worn directions, MAP fit ==\nsensor drawn from the prior (2 %% scale, 1 %% shear, 40 mg bias), noise 0.6 "
       "%%, 40 seeds; mg rms over EVEN directions\n");
@@ -203,30 +217,37 @@ void worn_and_adjusted() {
     }
     std::printf("%8d %8.1f %10.1f %16.2f %10.1f %10.1f (%d fail)\n", n, rms(map), rms(predicted),
                 rms(predicted) / rms(map), quantile(lin, .5), quantile(mgn, .5), mgn_failed);
+    figures["map_mg_" + std::to_string(n)] = rms(map);
+    figures["map_predicted_over_actual_" + std::to_string(n)] = rms(predicted) / rms(map);
   }
+  return figures;
 }
 
-void simulated_day() {
+Figures simulated_day() {
+  constexpr unsigned kSeeds = 60;
   std::printf(
-      "\n== Simulated day, 0-50 degC, hysteresis with a lag of 20 min; 12 seeds; rms over minutes (accelerometer: over "
-      "even directions) ==\n");
-  std::printf("%-38s %9s %9s %9s %9s %8s %9s\n", "policy", "acc d1 mg", "acc d3 mg", "gyr d1 ", "gyr d3 ", "worse %",
+      "\n== Simulated day, 0-50 degC, hysteresis with a lag of 20 min; %u seeds; rms over minutes and seeds "
+      "(accelerometer: over even directions) +- the standard error of day 1 ==\n",
+      kSeeds);
+  std::printf("%-38s %17s %9s %9s %9s %8s %9s\n", "policy", "acc d1 mg", "acc d3 mg", "gyr d1 ", "gyr d3 ", "worse %",
               "pred/act");
-  const Policy policies[] = {{"polynomial + wander (default)", day_params("polynomial", 1.0)},
-                             {"cells, evidence tagged by temperature", day_params("cells", 0.998)},
-                             {"plain accumulation + prior", day_params("none", 1.0)},
-                             {"forgetting of 1 h + prior", day_params("none", 1.0 - 1.0 / 30.0)}};
+  const Policy policies[] = {{"polynomial", day_params("polynomial", 1.0)},
+                             {"cells", day_params("cells", 0.998)},
+                             {"plain", day_params("none", 1.0)},
+                             {"forgetting of 1 h", day_params("none", 1.0 - 1.0 / 30.0)}};
+  Figures figures;
   double factory = 0, factory_dps = 0, last = 0;
   for (const Policy& policy : policies) {
-    std::vector<double> a1, a3, g1, g3, worse, ratio, f, fg, lw;
-    for (unsigned seed = 0; seed < 12; ++seed) {
+    std::vector<double> a1, a1_squared, a3, g1, g3, worse, predicted, f, fg, lw;
+    for (unsigned seed = 0; seed < kSeeds; ++seed) {
       const DayResult r = day(policy.params, 900 + seed);
       a1.push_back(r.acc_mg[0]);
+      a1_squared.push_back(r.acc_mg[0] * r.acc_mg[0]);
       a3.push_back(r.acc_mg[1]);
       g1.push_back(r.gyr_dps[0]);
       g3.push_back(r.gyr_dps[1]);
       worse.push_back(r.worse);
-      ratio.push_back(r.ratio);
+      predicted.push_back(r.predicted_mg);
       f.push_back(r.factory_mg);
       fg.push_back(r.factory_dps);
       lw.push_back(r.last_window_dps);
@@ -234,11 +255,23 @@ void simulated_day() {
     factory = rms(f);
     factory_dps = rms(fg);
     last = rms(lw);
-    std::printf("%-38s %9.2f %9.2f %9.4f %9.4f %8.2f %9.2f\n", policy.name, rms(a1), rms(a3), rms(g1), rms(g3),
-                mean(worse), mean(ratio));
+    const double error = sd(a1_squared) / std::sqrt(double(kSeeds)) / (2.0 * rms(a1));
+    std::printf("%-38s %9.2f +- %.2f %9.2f %9.4f %9.4f %8.2f %9.2f\n", policy.name, rms(a1), error, rms(a3), rms(g1),
+                rms(g3), mean(worse), rms(predicted) / rms(a3));
+    const std::string name = policy.name;
+    figures[name + ".acc_day1_mg"] = rms(a1);
+    figures[name + ".acc_day3_mg"] = rms(a3);
+    figures[name + ".gyr_day1_dps"] = rms(g1);
+    figures[name + ".gyr_day3_dps"] = rms(g3);
+    figures[name + ".worse_percent"] = mean(worse);
+    figures[name + ".predicted_over_actual"] = rms(predicted) / rms(a3);
   }
-  std::printf("%-38s %9.2f %9s %9.3f\n%-38s %9s %9s %9.3f\n", "factory calibration", factory, "", factory_dps,
-              "last window alone", "", "", last);
+  std::printf("%-38s %9.2f %17s %9s %9.3f\n%-38s %9s %17s %9s %9.3f\n", "factory calibration", factory, "", "",
+              factory_dps, "last window alone", "", "", "", last);
+  std::printf(
+      "polynomial: of temperature, with wander (default); cells: evidence tagged by temperature; plain: all windows "
+      "and a prior\n");
+  return figures;
 }
 
 }  // namespace stillpoint::bench

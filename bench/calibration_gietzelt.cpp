@@ -70,7 +70,7 @@ void table3() {
       "alone.\n");
 }
 
-void table4() {
+void table4(Figures& figures) {
   std::printf(
       "\nTable 4, s = 500, o = 2300, 100 points, jitter +-1 %% of the radius, 10 clouds a pass, seeds 0..9; mean +- "
       "sd\n");
@@ -89,6 +89,7 @@ void table4() {
     std::printf("%-12s %10.2f", kPaperNames[m], paper_s[m]);
     for (const auto& v : s) std::printf("   %7.2f +- %5.2f", mean(v), sd(v));
     std::printf("   %7.2f +- %5.2f\n", mean(o), sd(o));
+    figures[std::string("table4.s_x.") + kPaperNames[m]] = mean(s[0]);
   }
   // The paper's MinVol: the program of its reference [14], which stops at 0.05 and has no away steps.
   std::vector<double> unconverged[3];
@@ -163,7 +164,7 @@ void section34() {
   }
 }
 
-void section35() {
+void section35(Figures& figures) {
   std::printf(
       "\nSection 3.5, axes 1:2:3, 100 random points, no noise, 200 seeds: largest relative radius error. Paper: at "
       "most 1 %%.\n");
@@ -189,16 +190,18 @@ void section35() {
     std::printf("%-28s %9.4f%% %9.4f%%\n", what, mean(e), quantile(e, 0.95));
   };
   const Vec3 radii(1, 2, 3);
-  for (int passes : {1, 2, 3, 5, 8})
-    line((std::to_string(passes) + " pass" + (passes > 1 ? "es" : ", as printed")).c_str(),
-         errors_with(passes, 100, false, radii));
+  for (int passes : {1, 2, 3, 5, 8}) {
+    const auto e = errors_with(passes, 100, false, radii);
+    line((std::to_string(passes) + " pass" + (passes > 1 ? "es" : ", as printed")).c_str(), e);
+    figures["3.5.percent_after_" + std::to_string(passes)] = mean(e);
+  }
   line("1 pass, point-symmetric set", errors_with(1, 50, true, radii));
   line("1 pass, N = 10000", errors_with(1, 10000, false, radii));
   line("1 pass, axes 1:1.1:1.2", errors_with(1, 100, false, Vec3(1, 1.1, 1.2)));
   std::printf("The claim of 1 %% fails for random directions; repeating from the same sums repairs it.\n");
 }
 
-void section36() {
+void section36(Figures& figures) {
   std::printf(
       "\nSection 3.6, axes off by up to 2 degrees, 100 points to fit and 100 to test, jitter 1 %%, 100 seeds: error of "
       "the norm, %%\n");
@@ -222,19 +225,22 @@ void section36() {
       largest.push_back(*std::max_element(e.begin(), e.end()));
     }
     std::printf("%-20s %8.2f %8.2f %8.2f\n", kPaperNames[m], paper[m], mean(means), mean(largest));
+    figures[std::string("3.6.percent.") + kPaperNames[m]] = mean(means);
   }
   std::printf("The paper's values are mean errors (Mgn's is the jitter itself), not the maxima it says.\n");
 }
 
 }  // namespace
 
-void gietzelt_tables() {
+Figures gietzelt_tables() {
+  Figures figures;
   std::printf("== Gietzelt et al. ==\n");
   table3();
-  table4();
+  table4(figures);
   section34();
-  section35();
-  section36();
+  section35(figures);
+  section36(figures);
+  return figures;
 }
 
 }  // namespace stillpoint::bench

@@ -226,16 +226,17 @@ void broad(const std::string& folder) {
 
 }  // namespace
 
-void real_recordings(const std::string& folder) {
+Figures real_recordings(const std::string& folder) {
   std::printf("\n== Real recordings (%s) ==\n", folder.c_str());
   if (!std::filesystem::exists(folder)) {
     std::printf("SKIPPED: no such folder; give it with --recordings DIR\n");
-    return;
+    return {};
   }
   poses(folder);
   ferraris(folder);
   chamber(folder);
   broad(folder);
+  return {};
 }
 
 }  // namespace stillpoint::bench

@@ -2,6 +2,7 @@
 #pragma once
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <random>
 #include <string>
 #include <vector>
@@ -72,12 +73,14 @@ inline std::vector<Vec3> worn_directions(Random& random, int n) {
   return out;
 }
 
-void gietzelt_tables();
-void zhang_tables();
-void worn_and_adjusted();
-void simulated_day();
-void alignment_and_gyro();
-void rest_detection();
-void real_recordings(const std::string& folder);
+/// Each part prints its table and returns the figures that are held against a goal.
+using Figures = std::map<std::string, double>;
+Figures gietzelt_tables();
+Figures zhang_tables();
+Figures worn_and_adjusted();
+Figures simulated_day();
+Figures alignment_and_gyro();
+Figures rest_detection();
+Figures real_recordings(const std::string& folder);
 
 }  // namespace stillpoint::bench

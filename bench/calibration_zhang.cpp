@@ -95,7 +95,7 @@ struct Sqp {
   }
 };
 
-void table1() {
+void table1(Figures& figures) {
   std::printf(
       "\nTable I, |u - u^|, 1000 runs, seed 1, 20 orientations, noise variance 0.1 in counts, bias from the ellipsoid; "
       "mean +- sd\n");
@@ -120,6 +120,7 @@ void table1() {
     }
     std::printf("%-12d %20.4f %14.4f +- %.4f %14.4f +- %.4f %16.4f\n", rounds[k], paper[k], mean(e[1]), sd(e[1]),
                 mean(e[0]), sd(e[0]), mean(h));
+    figures["table1.u_after_" + std::to_string(rounds[k])] = mean(e[1]);
   }
   std::vector<double> closed, sqp[4], us_closed, us_loop, us_sqp, bias_error;
   const int sqp_rounds[4] = {10, 15, 30, 50};
@@ -165,6 +166,8 @@ void table1() {
   std::printf("The paper's |H - H^| = 0.0149 cannot be an absolute norm: |H| is %.4f.\n", zhang_H().norm());
   int below = 0;
   for (double b : bias_error) below += b < 0.1;
+  figures["table1.u_closed"] = mean(closed);
+  figures["fig5.percent_below"] = 0.1 * below;
   std::printf(
       "Fig. 5: bias error below 0.1 %% in %.1f %% of runs (paper: over 93 %%), largest %.2f %% (paper 0.25 %%)\n",
       0.1 * below, *std::max_element(bias_error.begin(), bias_error.end()));
@@ -209,7 +212,7 @@ std::vector<calib::GyroSegment> segments(Random& random, const Mat3& H_true, dou
   return out;
 }
 
-void table2() {
+void table2(Figures& figures) {
   std::printf(
       "\nTable II, |H_g - H^_g|, 9 segments of 2 s at 100 Hz, noise sd 0.05 rad/s, H_g = I + 10 %%, 300 runs, seed 2; "
       "mean of the runs that end below 0.5 (share)\n");
@@ -247,6 +250,7 @@ void table2() {
                   100.0 * static_cast<double>(good.size()) / static_cast<double>(v.size()));
     }
     std::printf("\n");
+    figures["table2.gauss_newton_after_" + std::to_string(passes[p])] = mean(e[2]);
   }
   int diverged_ukf = 0, diverged_gn = 0;
   Random random(4);
@@ -263,7 +267,7 @@ void table2() {
       diverged_ukf / 3.0, diverged_gn / 3.0);
 }
 
-void table3() {
+void table3(Figures& figures) {
   // Attitude by gravity and field (TRIAD), with the mounting angle between the two sensors calibrated or not.
   Random random(5);
   std::vector<double> with, without;
@@ -298,15 +302,18 @@ void table3() {
       "attitude error, rad\n"
       "  with %.4f (paper .004-.007), without %.4f (paper .041-.063); ratio %.1f (paper about 10)\n",
       rms(with), rms(without), rms(without) / rms(with));
+  figures["table3.ratio"] = rms(without) / rms(with);
 }
 
 }  // namespace
 
-void zhang_tables() {
+Figures zhang_tables() {
+  Figures figures;
   std::printf("\n== Zhang ==\n");
-  table1();
-  table2();
-  table3();
+  table1(figures);
+  table2(figures);
+  table3(figures);
+  return figures;
 }
 
 }  // namespace stillpoint::bench

@@ -63,6 +63,8 @@ bool OnlineCalibrator::restore(const State& state) noexcept {
   };
   if (!all_finite(state.acc.x) || !all_finite(state.acc.P.a) || !all_finite(state.gyr.x) ||
       !all_finite(state.gyr.P.a) || !all_finite(state.field.x) || !all_finite(state.field.P.a) ||
+      !std::all_of(state.acc_cells.begin(), state.acc_cells.end(),
+                   [&](const auto& c) { return all_finite(c.sums.sums()) && std::isfinite(c.temp_sum); }) ||
       !all_finite(state.stretch_rate) || !all_finite(state.stretch_cov) || !all_finite(state.stretch_turn_cov)) {
     return false;
   }
@@ -201,27 +203,32 @@ void OnlineCalibrator::learn_acc(const Vec3& x, const Window& w, double variance
     return;
   }
   const Mat3 to_x = mat(factory_.acc.matrix) / params_.gravity_mps2;
-  const double weight = 4.0 * squared(cell_noise()) / variance;
-  cells_.add(x, Mat3(to_x * mat(w.acc_cov) * to_x.transpose()), w.temp_degC, std::min(1.0, weight));
+  cells_.add(x, Mat3(to_x * mat(w.acc_cov) * to_x.transpose()), w.temp_degC,
+             std::min(1.0, window_variance() / variance));
 }
 
-/// The relative sd of the norm of one window in the cells: its floor, and what half a cell's width leaves of the slope.
-double OnlineCalibrator::cell_noise() const noexcept {
-  const double slope = model_ == TemperatureModel::kCells
-                           ? params_.accelerometer.bias_per_K_sd_mps2 * 0.5 * params_.temperature_cells.kernel_K
-                           : 0.0;
-  return std::sqrt(squared(params_.accelerometer.norm_floor_mps2) + slope * slope) / params_.gravity_mps2;
+/// Of 1 - d^T p in one window: the floor of its norm, and in a cell what the slope makes of half its width.
+double OnlineCalibrator::window_variance() const noexcept {
+  const auto& a = params_.accelerometer;
+  const double across = model_ == TemperatureModel::kCells
+                            ? a.bias_per_K_sd_mps2 * params_.temperature_cells.spacing_K / std::sqrt(12.0)
+                            : 0.0;
+  return 4.0 * (squared(a.norm_floor_mps2) + squared(across)) / squared(params_.gravity_mps2);
 }
 
 OnlineCalibrator::AccEstimate OnlineCalibrator::acc_estimate(double temp_degC) const noexcept {
-  if (model_ == TemperatureModel::kPolynomial) {
-    const double t = tau(temp_degC, factory_.acc);
-    return {acc_.at(t), acc_.covariance_at(t), true};
-  }
   const auto& a = params_.accelerometer;
-  const Moments sums = model_ == TemperatureModel::kCells ? cells_.near(temp_degC) : cells_.all();
-  const MapFit fit = map_fit(sums, cell_noise(), {a.scale_sd, a.shear_sd, a.bias_sd_mps2 / params_.gravity_mps2});
-  return {fit.p, fit.covariance, fit.status == FitStatus::kOk};
+  const double g = params_.gravity_mps2, t = tau(temp_degC, factory_.acc);
+  if (model_ == TemperatureModel::kPolynomial) return {acc_.at(t), acc_.covariance_at(t), true};
+  if (model_ == TemperatureModel::kNone) {
+    const MapFit fit =
+        map_fit(cells_.all(), 0.5 * std::sqrt(window_variance()), {a.scale_sd, a.shear_sd, a.bias_sd_mps2 / g});
+    return {fit.p, fit.covariance, fit.status == FitStatus::kOk};
+  }
+  return cells_.at(temp_degC, {.variance = acc_.prior_variance().head<TemperatureCells::kTrend>(),
+                               .temp_ref_degC = factory_.acc.temp_ref_degC,
+                               .local_variance = 4.0 * squared(a.wander_sd_mps2 / g),
+                               .window_variance = window_variance()});
 }
 
 void OnlineCalibrator::publish_acc(double temp_degC) noexcept {
@@ -245,9 +252,8 @@ void OnlineCalibrator::publish_acc(double temp_degC) noexcept {
   const Mat3 to_reading = g * H_f.inverse();
   // The centre at three temperatures gives the polynomial of the bias; the matrix is that of now.
   const double step = 0.2;  // 5 K
-  const bool polynomial = model_ == TemperatureModel::kPolynomial;
-  const auto colder = polynomial ? ellipsoid(acc_.at(t - step)) : here,
-             warmer = polynomial ? ellipsoid(acc_.at(t + step)) : here;
+  const auto colder = ellipsoid(acc_estimate(temp_degC - step * kTempScale_K).p),
+             warmer = ellipsoid(acc_estimate(temp_degC + step * kTempScale_K).p);
   const Vec3 c0 = here->centre;
   const Vec3 c1 = colder && warmer ? Vec3((warmer->centre - colder->centre) / (2.0 * step)) : Vec3(Vec3::Zero());
   const Vec3 c2 =

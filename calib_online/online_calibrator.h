@@ -62,7 +62,7 @@ class OnlineCalibrator {
 
   /// All that is learnt. Plain: written to disk and read back as it is.
   struct State {
-    static constexpr std::uint32_t kVersion = 2;
+    static constexpr std::uint32_t kVersion = 3;
     std::uint32_t version = kVersion;
     std::uint32_t bytes = 0;  ///< sizeof(State) of the writer
     AccFilter::State acc;
@@ -123,12 +123,8 @@ class OnlineCalibrator {
   [[nodiscard]] GyrFilter with_stretch() const noexcept;
   enum class TemperatureModel : std::uint8_t { kNone, kCells, kPolynomial };
   /// The nine entries and their covariance at one temperature, by whichever model is chosen.
-  struct AccEstimate {
-    Vec9 p = Vec9::Zero();
-    Mat9 covariance = Mat9::Zero();
-    bool valid = false;
-  };
-  [[nodiscard]] double cell_noise() const noexcept;
+  using AccEstimate = TemperatureCells::Estimate;
+  [[nodiscard]] double window_variance() const noexcept;
   [[nodiscard]] AccEstimate acc_estimate(double temp_degC) const noexcept;
   void learn_acc(const Vec3& x, const Window& window, double variance) noexcept;
   void publish_acc(double temp_degC) noexcept;

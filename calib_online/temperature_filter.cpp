@@ -39,7 +39,8 @@ AccFilter::StateVec AccFilter::prior_variance() const noexcept {
   v.segment<3>(0).setConstant(squared(2.0 * params_.scale_sd));
   v.segment<3>(3).setConstant(squared(2.0 * params_.shear_sd));
   v.segment<3>(6).setConstant(squared(2.0 * params_.bias_sd_mps2 / g));
-  v.segment<6>(9).setConstant(squared(2.0 * params_.matrix_per_25K_sd));
+  v.segment<3>(9).setConstant(squared(2.0 * params_.matrix_per_25K_sd));
+  v.segment<3>(12).setConstant(2.0 * squared(2.0 * params_.matrix_per_25K_sd));  // xy is the sum of two elements
   v.segment<3>(15).setConstant(squared(2.0 * params_.bias_per_K_sd_mps2 * kTempScale_K / g));
   v.segment<3>(18).setConstant(squared(2.0 * params_.bias_curvature_sd_mps2 / g));
   v.segment<3>(21).setConstant(squared(2.0 * params_.wander_sd_mps2 / g));

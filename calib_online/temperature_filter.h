@@ -53,7 +53,8 @@ struct AccFilterParams {
               "sd of the bias slope over temperature"),
         field("bias_curvature_sd_mps2", &P::bias_curvature_sd_mps2, in_range(0.0, 10.0),
               "sd of its curvature, at 25 K"),
-        field("matrix_per_25K_sd", &P::matrix_per_25K_sd, in_range(0.0, 0.3), "sd of the matrix slope over 25 K"),
+        field("matrix_per_25K_sd", &P::matrix_per_25K_sd, in_range(0.0, 0.3),
+              "sd of what 25 K do to an element of the matrix"),
         field("wander_sd_mps2", &P::wander_sd_mps2, in_range(0.0, 1.0), "hysteresis and slow wander of the bias"),
         field("wander_s", &P::wander_s, in_range(1.0, 1e7), "time after which that is forgotten"),
         field("bias_walk_mps2_rts", &P::bias_walk_mps2_rts, in_range(0.0, 0.1),
@@ -96,12 +97,13 @@ class AccFilter {
   [[nodiscard]] Vec9 at(double tau) const noexcept;
   [[nodiscard]] Mat9 covariance_at(double tau) const noexcept;
   [[nodiscard]] Mat9 prior_covariance_at(double tau) const noexcept;
+  /// Of each state before anything is learnt.
+  [[nodiscard]] StateVec prior_variance() const noexcept;
 
   [[nodiscard]] const State& state() const noexcept { return s_; }
   void restore(const State& s) noexcept { s_ = s; }
 
  private:
-  [[nodiscard]] StateVec prior_variance() const noexcept;
   AccFilterParams params_;
   double gravity_mps2_;
   State s_;
