@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "diagnosis/reference/columns.h"
+#include "diagnosis/reference/separable.h"
 
 namespace stillpoint::diag {
 namespace {
@@ -259,7 +260,9 @@ std::vector<Law> make_laws(const Signals& s, Sensor sensor) {
   if (sensor == kGyr) list.thermal_behind_tracker();
   if (sensor == kMag) list.magnetometer();
   list.never_local({"_temp_", "_volt", "_earth", "_gravity", "_vre"});
-  return list.take();
+  std::vector<Law> laws = list.take();
+  drop_inseparable(s, sensor, laws);
+  return laws;
 }
 
 }  // namespace stillpoint::diag

@@ -4,6 +4,7 @@
 
 #include "diagnosis/reference/columns.h"
 #include "diagnosis/reference/laws.h"
+#include "diagnosis/reference/separable.h"
 
 namespace stillpoint::diag {
 namespace {
@@ -132,7 +133,9 @@ std::vector<Law> make_unknown_laws(const Signals& s, Sensor sensor) {
   products.vectors_and_scalars();
   products.vectors_and_vectors();
   if (sensor != kMag) products.offset_for_a_while(s.n);
-  return products.take();
+  std::vector<Law> laws = products.take();
+  drop_inseparable(s, sensor, laws);
+  return laws;
 }
 
 }  // namespace stillpoint::diag

@@ -8,6 +8,7 @@
 #include "core/so3.h"
 #include "diagnosis/reference/band_limit.h"
 #include "diagnosis/reference/response.h"
+#include "diagnosis/reference/rest.h"
 
 namespace stillpoint::diag {
 namespace {
@@ -17,88 +18,7 @@ constexpr double kExactJitter_rad = 2e-6;  // a reference quieter than this is a
 constexpr double kMotionOverNoise =
     60.0;  // power; the noise in a driver then costs a candidate less than it costs to be named
 constexpr double kVibration_Hz = 15.0;
-constexpr double kRestWindow_s = 0.6;
-constexpr double kRestMargin_s = 0.25;
 constexpr double kEnds_s = 0.6;  // where differences are one-sided and filters lean on the mirror image
-
-template <class Get>
-Series filled(Eigen::Index n, Get get) {
-  Series x(n);
-  Eigen::Index known = -1;
-  for (Eigen::Index i = 0; i < n; ++i) {
-    x[i] = get(i);
-    if (!std::isfinite(x[i])) continue;
-    // A hole is bridged by a straight line; its samples are muted by the caller.
-    for (Eigen::Index k = known + 1; k < i; ++k)
-      x[k] = known < 0 ? x[i]
-                       : x[known] + (x[i] - x[known]) * static_cast<double>(k - known) / static_cast<double>(i - known);
-    known = i;
-  }
-  for (Eigen::Index k = known + 1; k < n; ++k) x[k] = known < 0 ? 0.0 : x[known];
-  return x;
-}
-
-Series3 filled3(const std::vector<Vec3>& column) {
-  const auto n = static_cast<Eigen::Index>(column.size());
-  Series3 out(n, 3);
-  for (int a = 0; a < 3; ++a)
-    out.col(a) = filled(n, [&](Eigen::Index i) { return column[static_cast<std::size_t>(i)][a]; });
-  return out;
-}
-
-Series moving_mean(const Series& x, Eigen::Index half) {
-  const Eigen::Index n = x.size();
-  Series sum(n + 1), out(n);
-  sum[0] = 0;
-  for (Eigen::Index i = 0; i < n; ++i) sum[i + 1] = sum[i] + x[i];
-  for (Eigen::Index i = 0; i < n; ++i) {
-    const Eigen::Index reach = std::min({half, i, n - 1 - i});  // symmetric, so a slope is not shifted
-    out[i] = (sum[i + reach + 1] - sum[i - reach]) / static_cast<double>(2 * reach + 1);
-  }
-  return out;
-}
-
-/// Standard deviation of the three axes together in a window around each sample.
-Series local_deviation(const Series3& x, Eigen::Index half) {
-  Series variance = Series::Zero(x.rows());
-  for (int a = 0; a < 3; ++a) {
-    const Series centred = x.col(a).array() - x.col(a).mean();
-    const Series mean = moving_mean(centred, half);
-    variance += (moving_mean(centred.cwiseAbs2(), half) - mean.cwiseAbs2()).cwiseMax(0.0);
-  }
-  return (variance / 3.0).cwiseSqrt();
-}
-
-double quantile(Series x, double share) {
-  const auto k = static_cast<Eigen::Index>(share * static_cast<double>(x.size() - 1));
-  std::nth_element(x.data(), x.data() + k, x.data() + x.size());
-  return x[k];
-}
-
-/// At rest both inertial sensors are as quiet as they ever are, and the gyroscope reads near its own typical offset.
-Mask find_rest(const Signals& s) {
-  const auto half = static_cast<Eigen::Index>(0.5 * kRestWindow_s / s.dt_s);
-  Eigen::Array<bool, Eigen::Dynamic, 1> quiet = Eigen::Array<bool, Eigen::Dynamic, 1>::Constant(s.n, true);
-  bool any = false;
-  for (const Sensor sensor : {kAcc, kGyr}) {
-    if (!s.present[sensor]) continue;
-    const Series deviation = local_deviation(s.reading[sensor], half);
-    const double floor = std::max(quantile(deviation, 0.1), 0.7 * s.noise_sd[sensor]);
-    quiet = quiet && deviation.array() < 2.0 * floor;
-    any = true;
-  }
-  if (s.present[kGyr]) quiet = quiet && s.reading[kGyr].rowwise().norm().array() < 0.15;
-  Mask rest(static_cast<std::size_t>(s.n), 0);
-  const auto margin = static_cast<Eigen::Index>(kRestMargin_s / s.dt_s);
-  Eigen::Index begin = 0;
-  for (Eigen::Index i = 0; any && i <= s.n; ++i) {
-    if (i < s.n && quiet[i]) continue;
-    for (Eigen::Index k = begin == 0 ? 0 : begin + margin; k < (i == s.n ? i : i - margin); ++k)
-      rest[static_cast<std::size_t>(k)] = 1;
-    begin = i + 1;
-  }
-  return rest;
-}
 
 Eigen::Matrix<double, Eigen::Dynamic, 4> orientation_of(const io::Recording& recording) {
   const auto n = static_cast<Eigen::Index>(recording.size());
@@ -144,6 +64,16 @@ double rest_jitter(const Signals& s, const Series3& rate) {
   return count == 0 ? -1.0 : std::sqrt(sum / static_cast<double>(count));
 }
 
+/// The same without a rest: what eighth differences show is noise, motion leaves a millionth of itself in them.
+double jitter_without_rest(const Eigen::Matrix<double, Eigen::Dynamic, 4>& q) {
+  constexpr int kTimes = 8;
+  constexpr double kGain = 113.4;  // of white noise: the root of the sum of the squared binomials of 8
+  constexpr double kMedianOverSd = 0.6745;
+  Eigen::MatrixXd d = q.rightCols<3>();
+  for (int k = 0; k < kTimes && d.rows() > 1; ++k) d = (d.bottomRows(d.rows() - 1) - d.topRows(d.rows() - 1)).eval();
+  return 2.0 * quantile(d.cwiseAbs().rowwise().mean(), 0.5) / (kGain * kMedianOverSd);
+}
+
 void mute_ends(Mask& mask, Eigen::Index n, Eigen::Index ends) {
   for (Eigen::Index i = 0; i < std::min(ends, n); ++i) {
     mask[static_cast<std::size_t>(i)] = 1;
@@ -153,7 +83,7 @@ void mute_ends(Mask& mask, Eigen::Index n, Eigen::Index ends) {
 
 /// Where the reference was lost, and beside it as far as its differences reach, nothing can be compared.
 void mute_lost_reference(Signals& s, const io::Recording& recording) {
-  constexpr std::ptrdiff_t kReach = 5;
+  constexpr std::ptrdiff_t kReach = kStencilReach + 1;
   const auto n = static_cast<std::ptrdiff_t>(s.n);
   std::ptrdiff_t until = 0;
   for (std::ptrdiff_t i = 0; i < n; ++i) {
@@ -165,6 +95,27 @@ void mute_lost_reference(Signals& s, const io::Recording& recording) {
       for (Mask& muted : s.muted)
         if (!muted.empty()) muted[static_cast<std::size_t>(k)] = 1;
     until = i + kReach + 1;
+  }
+}
+
+/// A vibration near half the rate of the reference cannot be differentiated: where what is left of the error reaches
+/// the sensor's noise, nothing can be compared. A noisy reference carries its noise there, and no error is seen.
+void mute_unresolved(Signals& s, const std::array<Series, 2>& error) {
+  constexpr double kSeen = 0.05;  // of the noise of one sample; the error may be some times what the stencils differ by
+  for (const Sensor k : {kAcc, kGyr}) {
+    if (!s.present[k] || error[k].size() == 0) continue;
+    const Series near = moving_mean(error[k].cwiseAbs2(), kStencilReach).cwiseSqrt();
+    Eigen::Index count = 0;
+    for (Eigen::Index i = 0; i < s.n; ++i)
+      if (near[i] > kSeen * s.noise_sd[k]) s.muted[k][static_cast<std::size_t>(i)] = 1, ++count;
+    if (count == 0) continue;
+    const double share = static_cast<double>(count) / static_cast<double>(s.n);
+    s.present[k] = share < 0.9;
+    s.notices.push_back(fmt::format(
+        "{}: in {:.0f} % of the rows the body vibrates too fast for a reference of {:.0f} rows a second; {}. Record "
+        "the "
+        "reference at four times the frequency of the vibration, or more",
+        kSensorName[k], 100.0 * share, 1.0 / s.dt_s, s.present[k] ? "they are left out" : "the sensor is left out"));
   }
 }
 
@@ -207,16 +158,22 @@ void read_drivers(Signals& s, const io::Recording& recording) {
 void predict(Signals& s, const io::Recording& recording) {
   const auto q = orientation_of(recording);
   Series3 rate = rate_from(q, s.dt_s);
-  const double jitter = rest_jitter(s, rate);
-  s.has_rest = jitter >= 0.0;
-  s.reference_jitter_rad = std::max(jitter, 0.0) * s.dt_s;
-  s.exact_reference = s.has_rest && s.reference_jitter_rad < kExactJitter_rad;
-  Series3 acceleration = Series3::Zero(s.n, 3);
+  Series3 acceleration = Series3::Zero(s.n, 3), velocity;
   if (s.has_position) {
     const Series3 p = filled3(recording.ref_position_m);
     s.position_m = p.rowwise() - p.colwise().mean();
+    velocity = derivative(p, s.dt_s);
     acceleration = second_derivative(p, s.dt_s);
   }
+  const double own_jitter = jitter_without_rest(q);
+  wake_where_reference_moves(s.rest, rate, velocity, s.dt_s, own_jitter < kExactJitter_rad);
+  const double jitter = rest_jitter(s, rate);
+  s.has_rest = jitter >= 0.0;
+  s.reference_jitter_rad = s.has_rest ? jitter * s.dt_s : own_jitter;
+  s.exact_reference = s.reference_jitter_rad < kExactJitter_rad;
+  if (s.exact_reference)
+    mute_unresolved(s, {s.has_position ? second_derivative_error(filled3(recording.ref_position_m), s.dt_s) : Series(),
+                        2.0 * derivative_error(q.rightCols<3>(), s.dt_s)});
   for (auto& axis : s.world_axis) axis.resize(s.n, 3);
   for (Eigen::Index i = 0; i < s.n; ++i) {
     if (s.rest[static_cast<std::size_t>(i)]) {  // nothing moves at rest: what the reference shows there is its noise
@@ -240,13 +197,13 @@ void predict(Signals& s, const io::Recording& recording) {
 /// At rest nothing moves: there the vector is one value a rest, or the sensor's own noise would stand in residual and
 /// driver alike.
 void hold_at_rest(Signals& s) {
+  const auto hold = [](auto rows) { rows.rowwise() = rows.colwise().mean().eval(); };
   for (Eigen::Index begin = 0; begin < s.n; ++begin) {
     Eigen::Index end = begin;
     while (end < s.n && s.rest[static_cast<std::size_t>(end)]) ++end;
     if (end == begin) continue;
-    for (Series3& v : s.vector)
-      if (v.rows() == s.n)
-        v.middleRows(begin, end - begin).rowwise() = v.middleRows(begin, end - begin).colwise().mean().eval();
+    for (Series3& v : s.vector) hold(v.middleRows(begin, end - begin));
+    for (Series3& v : s.world_axis) hold(v.middleRows(begin, end - begin));
     s.vector[kGyr].middleRows(begin, end - begin).setZero();
     begin = end;
   }
@@ -266,9 +223,15 @@ void choose_vectors(Signals& s) {
   for (int k = 0; k < kSensors; ++k) {
     const bool predicted = s.exact_reference || !s.present[k] || k == kMag;
     s.vector[k] = predicted ? s.predicted[k] : s.reading[k];
-    if (!s.exact_reference) s.vector[k] = limited(s.vector[k]);
+    if (!s.exact_reference && k != kMag) s.vector[k] = limited(s.vector[k]);
   }
-  if (!s.exact_reference) hold_at_rest(s);
+  if (!s.exact_reference) {
+    hold_at_rest(s);
+    // Of the same turns as the world's axes: where the two differ by their noise only, a field of the world that is
+    // nothing but that noise would be fitted to it.
+    s.vector[kMag].setZero();
+    for (int a = 0; a < 3; ++a) s.vector[kMag] += s.field_world_uT[a] * s.world_axis[static_cast<std::size_t>(a)];
+  }
   s.rate = s.vector[kGyr];
   s.rate_dot = derivative(s.rate, s.dt_s);
   for (Eigen::Index i = 0; i < s.n; ++i) {
@@ -279,32 +242,6 @@ void choose_vectors(Signals& s) {
 }
 
 }  // namespace
-
-Series3 derivative(const Series3& x, double dt_s) {
-  constexpr std::array<double, 4> c{4.0 / 5.0, -1.0 / 5.0, 4.0 / 105.0, -1.0 / 280.0};
-  const Eigen::Index n = x.rows();
-  Series3 d = Series3::Zero(n, 3);
-  if (n < 9) return d;
-  for (Eigen::Index k = 1; k <= 4; ++k)
-    d.middleRows(4, n - 8) +=
-        c[static_cast<std::size_t>(k - 1)] / dt_s * (x.middleRows(4 + k, n - 8) - x.middleRows(4 - k, n - 8));
-  for (Eigen::Index i = 0; i < 4; ++i) d.row(i) = d.row(4), d.row(n - 1 - i) = d.row(n - 5);
-  return d;
-}
-
-Series3 second_derivative(const Series3& x, double dt_s) {
-  constexpr std::array<double, 5> c{-205.0 / 72.0, 8.0 / 5.0, -1.0 / 5.0, 8.0 / 315.0, -1.0 / 560.0};
-  const Eigen::Index n = x.rows();
-  Series3 d = Series3::Zero(n, 3);
-  if (n < 9) return d;
-  const double scale = 1.0 / (dt_s * dt_s);
-  d.middleRows(4, n - 8) = c[0] * scale * x.middleRows(4, n - 8);
-  for (Eigen::Index k = 1; k <= 4; ++k)
-    d.middleRows(4, n - 8) +=
-        c[static_cast<std::size_t>(k)] * scale * (x.middleRows(4 + k, n - 8) + x.middleRows(4 - k, n - 8));
-  for (Eigen::Index i = 0; i < 4; ++i) d.row(i) = d.row(4), d.row(n - 1 - i) = d.row(n - 5);
-  return d;
-}
 
 Result<Signals> make_signals(const io::Recording& recording, const sim::SimulationConfig& simulation,
                              const std::array<Mask, kSensors>& muted) {
@@ -333,7 +270,7 @@ Result<Signals> make_signals(const io::Recording& recording, const sim::Simulati
   for (int k = 0; k < kSensors; ++k) {
     if (!s.present[k]) continue;
     s.residual[k] = s.reading[k] - s.predicted[k];
-    mute_ends(s.muted[k], s.n, std::max<Eigen::Index>(8, static_cast<Eigen::Index>(kEnds_s / s.dt_s)));
+    mute_ends(s.muted[k], s.n, std::max<Eigen::Index>(2 * kStencilReach, static_cast<Eigen::Index>(kEnds_s / s.dt_s)));
     if (k != kAcc || s.has_position) continue;
     for (std::size_t i = 0; i < s.rest.size();
          ++i)  // without a position, only rest says what the accelerometer should read

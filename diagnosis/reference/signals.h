@@ -9,14 +9,11 @@
 #include "core/result.h"
 #include "core/types.h"
 #include "diagnosis/forensics/forensics.h"
+#include "diagnosis/reference/differences.h"
 #include "io/recording.h"
 #include "simulation/config.h"
 
 namespace stillpoint::diag {
-
-using Series = Eigen::VectorXd;                            ///< one value a sample
-using Series3 = Eigen::Matrix<double, Eigen::Dynamic, 3>;  ///< one column an axis
-using Mask = std::vector<std::uint8_t>;                    ///< one flag a sample
 
 inline constexpr int kSensors = 3;
 inline constexpr std::array<const char*, 3> kAxisName{"x", "y", "z"};
@@ -63,9 +60,5 @@ inline constexpr double kReferenceTemperature_degC = 25.0;
 
 /// Means of `factor` neighbours, for recordings sampled far faster than anything moves. Noise stays white under it.
 [[nodiscard]] Signals thinned(const Signals& s, Eigen::Index factor);
-
-/// Eighth-order central differences; the four samples at either end take the value next to them.
-[[nodiscard]] Series3 derivative(const Series3& x, double dt_s);
-[[nodiscard]] Series3 second_derivative(const Series3& x, double dt_s);
 
 }  // namespace stillpoint::diag

@@ -3,6 +3,9 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <numeric>
+
 #include "io/simulated_recording.h"
 #include "simulation/simulator.h"
 
@@ -65,6 +68,38 @@ TEST(Signals, HoldsTheDriverStillAtRest) {
     ASSERT_EQ(s->vector[kGyr].row(i).norm(), 0.0) << i;
   }
   EXPECT_GT(rests, 200);
+}
+
+TEST(Signals, FindNoRestWhereAQuietBoatSwings) {
+  auto config = baseline();
+  config.motion->kind = "boat";
+  for (const std::string reference : {"exact", "mocap"}) {
+    config.reference.kind = reference;
+    const auto s = make_signals(io::to_recording(sim::simulate(config, 5)), config, {});
+    ASSERT_TRUE(s);
+    EXPECT_EQ(std::accumulate(s->rest.begin(), s->rest.end(), 0), 0) << reference;
+    EXPECT_EQ(s->exact_reference, reference == "exact") << "known without a rest";
+  }
+}
+
+TEST(Differences, CarryAVibrationOfAFifthOfTheRateAndSayWhereTheyFail) {
+  const double dt_s = 0.005;
+  for (const double f_hz : {20.0, 40.0, 80.0}) {
+    const double w = 2.0 * M_PI * f_hz;
+    Series3 x(400, 3), first(400, 3), second(400, 3);
+    for (Eigen::Index i = 0; i < x.rows(); ++i)
+      for (int a = 0; a < 3; ++a) {
+        const double phase = w * static_cast<double>(i) * dt_s + a;
+        x(i, a) = std::sin(phase), first(i, a) = w * std::cos(phase), second(i, a) = -w * w * std::sin(phase);
+      }
+    const auto off = [](const Series3& d, const Series3& truth) {
+      return (d - truth).middleRows(20, 360).cwiseAbs().maxCoeff() / truth.cwiseAbs().maxCoeff();
+    };
+    EXPECT_EQ(off(derivative(x, dt_s), first) < 1e-4, f_hz < 50) << f_hz;
+    EXPECT_EQ(off(second_derivative(x, dt_s), second) < 1e-4, f_hz < 50) << f_hz;
+    EXPECT_EQ(second_derivative_error(x, dt_s)[200] < 1e-3 * w * w, f_hz < 50) << f_hz;
+    EXPECT_GT(10.0 * derivative_error(x, dt_s)[200], (derivative(x, dt_s) - first).row(200).norm()) << f_hz;
+  }
 }
 
 }  // namespace

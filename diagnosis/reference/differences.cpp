@@ -1,0 +1,73 @@
+#include "diagnosis/reference/differences.h"
+
+#include <array>
+#include <numeric>
+
+namespace stillpoint::diag {
+namespace {
+
+using Weights = std::array<double, kStencilReach>;
+
+constexpr double factorial(int n) { return n < 2 ? 1.0 : n * factorial(n - 1); }
+
+/// Weights of the differences over m neighbours, order 2 m (Fornberg, "Generation of Finite Difference Formulas on
+/// Arbitrarily Spaced Grids", 1988, table 1): +-(m!)^2 / ((m - k)! (m + k)!) over k for the first derivative, over
+/// k^2 / 2 for the second.
+Weights weights(int derivative, int m) {
+  Weights c{};
+  for (int k = 1; k <= m; ++k)
+    c[static_cast<std::size_t>(k - 1)] = (k % 2 == 0 ? -1.0 : 1.0) * factorial(m) * factorial(m) /
+                                         (factorial(m - k) * factorial(m + k)) / (derivative == 1 ? k : 0.5 * k * k);
+  return c;
+}
+
+Weights minus(Weights a, const Weights& b) {
+  for (std::size_t k = 0; k < a.size(); ++k) a[k] -= b[k];
+  return a;
+}
+
+Series3 with_ends(Series3 d) {
+  const Eigen::Index n = d.rows();
+  d.topRows(kStencilReach).rowwise() = d.row(kStencilReach).eval();
+  d.bottomRows(kStencilReach).rowwise() = d.row(n - 1 - kStencilReach).eval();
+  return d;
+}
+
+/// Sum over k of c_k (x_{i+k} + sign x_{i-k}), and for an even stencil the centre that makes a constant vanish.
+Series3 differences(const Series3& x, const Weights& c, double sign) {
+  const Eigen::Index reach = kStencilReach, middle = x.rows() - 2 * reach;
+  Series3 d = Series3::Zero(x.rows(), 3);
+  if (middle < 1) return d;
+  if (sign > 0)
+    d.middleRows(reach, middle) = -2.0 * std::accumulate(c.begin(), c.end(), 0.0) * x.middleRows(reach, middle);
+  for (Eigen::Index k = 1; k <= reach; ++k)
+    d.middleRows(reach, middle) +=
+        c[static_cast<std::size_t>(k - 1)] * (x.middleRows(reach + k, middle) + sign * x.middleRows(reach - k, middle));
+  return with_ends(std::move(d));
+}
+
+constexpr int kReach = static_cast<int>(kStencilReach);
+
+}  // namespace
+
+Series3 derivative(const Series3& x, double dt_s) {
+  static const Weights c = weights(1, kReach);
+  return differences(x, c, -1.0) / dt_s;
+}
+
+Series3 second_derivative(const Series3& x, double dt_s) {
+  static const Weights c = weights(2, kReach);
+  return differences(x, c, 1.0) / (dt_s * dt_s);
+}
+
+Series derivative_error(const Series3& x, double dt_s) {
+  static const Weights c = minus(weights(1, kReach), weights(1, kReach - 1));
+  return differences(x, c, -1.0).rowwise().norm() / dt_s;
+}
+
+Series second_derivative_error(const Series3& x, double dt_s) {
+  static const Weights c = minus(weights(2, kReach), weights(2, kReach - 1));
+  return differences(x, c, 1.0).rowwise().norm() / (dt_s * dt_s);
+}
+
+}  // namespace stillpoint::diag

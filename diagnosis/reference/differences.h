@@ -1,0 +1,20 @@
+/// Derivatives of sampled motion by central differences of order 16, and where a motion is too fast for them.
+#pragma once
+#include "diagnosis/reference/series.h"
+
+namespace stillpoint::diag {
+
+/// Neighbours on either side of a difference: exact to 1e-4 up to a fifth of the sampling rate, where the vibration of
+/// rotors and the strike of a heel are. With four, every clean flight had an unexplained line.
+inline constexpr Eigen::Index kStencilReach = 8;
+
+/// The samples at the ends, as many as the stencil reaches, take the value next to them.
+[[nodiscard]] Series3 derivative(const Series3& x, double dt_s);
+[[nodiscard]] Series3 second_derivative(const Series3& x, double dt_s);
+
+/// What the next shorter stencil gives differently: the size of the error of the derivatives above, up to a factor of
+/// ten.
+[[nodiscard]] Series derivative_error(const Series3& x, double dt_s);
+[[nodiscard]] Series second_derivative_error(const Series3& x, double dt_s);
+
+}  // namespace stillpoint::diag

@@ -1,0 +1,15 @@
+/// Where the body lies still, as the sensors show it and the reference does not deny it.
+#pragma once
+#include "diagnosis/reference/signals.h"
+
+namespace stillpoint::diag {
+
+/// At rest both inertial sensors are as quiet as they ever are, and the gyroscope reads near its own typical offset.
+[[nodiscard]] Mask find_rest(const Signals& s);
+
+/// Quiet is not still: a boat at anchor is quiet. A rest through which the reference moves steadily is none.
+/// `velocity` is empty without a position; `exact`: the reference is arithmetic, without a camera's noise.
+void wake_where_reference_moves(Mask& rest, const Series3& rate_radps, const Series3& velocity_mps, double dt_s,
+                                bool exact);
+
+}  // namespace stillpoint::diag

@@ -1,0 +1,12 @@
+/// Laws that this motion cannot tell from a wrong bias and matrix.
+#pragma once
+#include "diagnosis/reference/laws.h"
+
+namespace stillpoint::diag {
+
+/// Drops the laws whose columns a constant and the measured vector nearly span. Under a noisy reference the little that
+/// is left of them is its noise, which stands in the residual too: without translation every wrong gravity is a wrong
+/// scale, and a camera's noise would decide between them. An exact reference separates whatever differs at all.
+void drop_inseparable(const Signals& s, Sensor sensor, std::vector<Law>& laws);
+
+}  // namespace stillpoint::diag

@@ -1,0 +1,40 @@
+/// Columns of numbers over the samples of a recording, and what is done to them everywhere.
+#pragma once
+#include <Eigen/Core>
+#include <cmath>
+#include <cstdint>
+#include <vector>
+
+#include "core/types.h"
+
+namespace stillpoint::diag {
+
+using Series = Eigen::VectorXd;                            ///< one value a sample
+using Series3 = Eigen::Matrix<double, Eigen::Dynamic, 3>;  ///< one column an axis
+using Mask = std::vector<std::uint8_t>;                    ///< one flag a sample
+
+/// n values of get(i); a hole (not finite) is bridged by a straight line. The caller mutes its samples.
+template <class Get>
+Series filled(Eigen::Index n, Get get) {
+  Series x(n);
+  Eigen::Index known = -1;
+  for (Eigen::Index i = 0; i < n; ++i) {
+    x[i] = get(i);
+    if (!std::isfinite(x[i])) continue;
+    for (Eigen::Index k = known + 1; k < i; ++k)
+      x[k] = known < 0 ? x[i]
+                       : x[known] + (x[i] - x[known]) * static_cast<double>(k - known) / static_cast<double>(i - known);
+    known = i;
+  }
+  for (Eigen::Index k = known + 1; k < n; ++k) x[k] = known < 0 ? 0.0 : x[known];
+  return x;
+}
+
+[[nodiscard]] Series3 filled3(const std::vector<Vec3>& column);
+
+/// Over `half` neighbours on either side, fewer at the ends: symmetric, so a slope is not shifted.
+[[nodiscard]] Series moving_mean(const Series& x, Eigen::Index half);
+
+[[nodiscard]] double quantile(Series x, double share);
+
+}  // namespace stillpoint::diag
