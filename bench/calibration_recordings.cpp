@@ -21,15 +21,15 @@ std::vector<Window> windows_of(const io::Recording& r, const CalibrationSnapshot
   return out;
 }
 
-CalibrationSnapshot learn(const std::vector<Window>& windows) {
+calib::OnlineCalibrator calibrated(const std::vector<Window>& windows) {
   calib::OnlineCalibrator c({}, CalibrationSnapshot{});
-  for (int pass = 0; pass < 1; ++pass)
-    for (const auto& w : windows) c.absorb(w);
-  return c.snapshot();
+  for (const auto& w : windows) c.absorb(w);
+  return c;
 }
+CalibrationSnapshot learn(const std::vector<Window>& windows) { return calibrated(windows).snapshot(); }
 
 /// Leave one pose out: windows of one direction together.
-void poses(const std::string& folder) {
+void poses(const std::string& folder, Figures& figures) {
   const auto r = io::read_recording(folder + "/mpu6050_poses/example_data_calibration.csv");
   if (!r) return;
   const auto windows = windows_of(*r, {});
@@ -60,22 +60,42 @@ void poses(const std::string& folder) {
       directions.size(), rms(before), quantile(before, 0) + kStandardGravity_mps2,
       quantile(before, 1) + kStandardGravity_mps2, rms(after), quantile(after, 0) + kStandardGravity_mps2,
       quantile(after, 1) + kStandardGravity_mps2);
+  figures["poses.after_mps2"] = rms(after);
 }
 
-/// Angle about the turn's own axis between two times.
-double turned_deg(const io::Recording& r, const TriadCalibration& g, std::size_t from, std::size_t to) {
+/// Integral of the calibrated rate between two rows, rad: a turn about one axis.
+Vec3 turned(const io::Recording& r, const TriadCalibration& g, std::size_t from, std::size_t to) {
   Vec3 sum = Vec3::Zero();
   for (std::size_t k = from + 1; k < to; ++k)
     sum +=
         0.5 * (r.t_s(k) - r.t_s(k - 1)) * (g.apply(array(r.gyr_radps[k]), 25) + g.apply(array(r.gyr_radps[k - 1]), 25));
-  return sum.norm() * kDegPerRad;
+  return sum;
 }
 
-void ferraris(const std::string& folder) {
+/// What the gyro's matrix leaves open of a turn that the gyroscope reads as `raw`, rad: with the evidence of the turns
+/// between windows, and with none.
+struct TurnSd {
+  double learnt = 0.0, prior = 0.0;
+};
+TurnSd turn_sd(const calib::OnlineCalibrator& c, const Vec3& raw) {
+  const calib::GyroMatrixParams p;
+  const Vec3 axis = raw.normalized();
+  calib::Vec9 by_rows;  // d angle / d H
+  for (int i = 0; i < 3; ++i) by_rows.segment<3>(3 * i) = axis[i] * raw;
+  const auto sd_with = [&](const calib::GyroMatrixSums& sums) {
+    return std::sqrt(by_rows.dot(solve(sums, Mat3::Identity(), p.scale_sd, p.cross_sd).covariance * by_rows));
+  };
+  return {sd_with(c.state().turns), sd_with({})};
+}
+
+void ferraris(const std::string& folder, Figures& figures) {
   const auto r = io::read_recording(folder + "/ferraris/ferraris_session.csv");
   if (!r) return;
   const auto windows = windows_of(*r, {});
-  std::printf("ferraris, each full turn read with the matrix learnt from all other turns and poses:\n");
+  std::printf(
+      "ferraris, each full turn read with the matrix learnt from all other turns and poses; what the matrix leaves "
+      "open "
+      "of it (1 sd), and left open before:\n");
   for (std::size_t k = 1; k < windows.size(); ++k) {
     std::size_t from = 0, to = 0;
     while (from < r->size() && r->t_ns[from] < windows[k - 1].t_end_ns) ++from;
@@ -83,78 +103,22 @@ void ferraris(const std::string& folder) {
     while (to < r->size() && r->t_ns[to] < windows[k].t_start_ns) ++to;
     std::vector<Window> others = windows;
     others[k].rotation_valid = false;
-    const CalibrationSnapshot s = learn(others), all = learn(windows);
-    TriadCalibration plain = s.gyr;
+    const auto c = calibrated(others);
+    TriadCalibration plain = c.snapshot().gyr;
     plain.matrix = TriadCalibration{}.matrix;
-    const double before = turned_deg(*r, plain, from, to);
-    if (before < 300) continue;
+    const Vec3 raw = turned(*r, plain, from, to);
+    if (raw.norm() * kDegPerRad < 300) continue;
     const Vec3 up = vec(windows[k].acc_mps2).normalized();
+    const TurnSd sd_rad = turn_sd(c, raw);
+    const double after = turned(*r, c.snapshot().gyr, from, to).norm() * kDegPerRad;
     std::printf(
-        "  turn ending at %5.1f s: %.2f before, %.2f after; with its own turn too %.2f (gravity at its end %.2f %.2f "
-        "%.2f)\n",
-        1e-9 * static_cast<double>(windows[k].t_start_ns - r->t_ns[0]), before, turned_deg(*r, s.gyr, from, to),
-        turned_deg(*r, all.gyr, from, to), up.x(), up.y(), up.z());
-  }
-}
-
-void chamber(const std::string& folder) {
-  const auto r = io::read_recording(folder + "/thermal_chamber/imu_thermal.csv");
-  if (!r) return;
-  std::size_t coldest = 0;
-  for (std::size_t k = 0; k < r->size(); ++k)
-    if (r->temp_degC[k] < r->temp_degC[coldest]) coldest = k;
-  std::printf(
-      "thermal_chamber, %.1f to %.1f to %.1f degC: fit one half, predict the other; rms x y z, before (the fitted "
-      "half's mean) -> after\n",
-      r->temp_degC.front(), r->temp_degC[coldest], r->temp_degC.back());
-  for (const bool gyro : {true, false}) {
-    const auto& y = gyro ? r->gyr_radps : r->acc_mps2;
-    const double unit = gyro ? kRadPerDeg : 0.01;  // the prior's sizes: deg/s, or mg
-    calib::GyrFilterParams p;
-    p.bias_sd_radps = 100 * unit;
-    p.bias_per_K_sd_radps = 0.1 * (gyro ? 1 : 30) * unit;
-    p.bias_curvature_sd_radps = (gyro ? 0.5 : 30) * unit;
-    p.wander_sd_radps = 0;
-    p.mean_floor_radps = (gyro ? 0.05 : 1) * unit;
-    for (const bool fit_falling : {true, false}) {
-      calib::GyrFilter f(p);
-      Vec3 sum = Vec3::Zero();
-      int n = 0;
-      const std::size_t stride = 20;  // block means: the rows' noise is white, the filter's windows are few
-      const auto rows = [&](bool falling) {
-        return falling ? std::pair<std::size_t, std::size_t>{0, coldest}
-                       : std::pair<std::size_t, std::size_t>{coldest, r->size()};
-      };
-      const auto block = [&](std::size_t k, double& T) {
-        Vec3 m = Vec3::Zero();
-        T = 0;
-        for (std::size_t i = k; i < k + stride; ++i)
-          m += y[i] / static_cast<double>(stride), T += r->temp_degC[i] / static_cast<double>(stride);
-        return m;
-      };
-      const auto [a, b] = rows(fit_falling);
-      double T = 0;
-      for (std::size_t k = a; k + stride <= b; k += stride) {
-        const Vec3 m = block(k, T);
-        const double tau = (T - 25) / calib::kTempScale_K;
-        f.update(m, Mat3(std::pow(0.02 * unit, 2) * Mat3::Identity()), tau, tau * tau);
-        sum += m;
-        ++n;
-      }
-      std::vector<double> before[3], after[3];
-      const auto [c, d] = rows(!fit_falling);
-      for (std::size_t k = c; k + stride <= d; k += stride) {
-        const Vec3 m = block(k, T);
-        const double tau = (T - 25) / calib::kTempScale_K;
-        for (int axis = 0; axis < 3; ++axis) {
-          before[axis].push_back((m - sum / n)[axis] * (gyro ? kDegPerRad : 1));
-          after[axis].push_back((m - f.at(tau, tau * tau))[axis] * (gyro ? kDegPerRad : 1));
-        }
-      }
-      std::printf("  %s, fit on the %s half:", gyro ? "gyro, deg/s" : "acc, m/s^2", fit_falling ? "falling" : "rising");
-      for (int axis = 0; axis < 3; ++axis) std::printf("   %.4f -> %.4f", rms(before[axis]), rms(after[axis]));
-      std::printf("\n");
-    }
+        "  turn ending at %5.1f s: %.2f before, %.2f after, sd %.2f (before %.2f); with its own turn too %.2f (gravity "
+        "at its end %.2f %.2f %.2f)\n",
+        1e-9 * static_cast<double>(windows[k].t_start_ns - r->t_ns[0]), raw.norm() * kDegPerRad, after,
+        sd_rad.learnt * kDegPerRad, sd_rad.prior * kDegPerRad,
+        turned(*r, learn(windows).gyr, from, to).norm() * kDegPerRad, up.x(), up.y(), up.z());
+    double& worst = figures["ferraris.worst_sigma"];
+    worst = std::max(worst, std::abs(after - 360.0) / (sd_rad.learnt * kDegPerRad));
   }
 }
 
@@ -185,14 +149,21 @@ std::vector<calib::GyroSegment> reference_segments(const io::Recording& r, const
   return out;
 }
 
-double rotation_error_deg(const std::vector<calib::GyroSegment>& segments, const Mat3& H) {
+std::vector<double> rotation_errors_deg(const std::vector<calib::GyroSegment>& segments, const Mat3& H) {
   std::vector<double> e;
   for (const auto& s : segments)
     e.push_back(log_quat(calib::preintegrate(s, H).q.conjugate() * s.reference).norm() * kDegPerRad);
-  return rms(e);
+  return e;
 }
 
-void broad(const std::string& folder) {
+/// Standard error of the difference of two rms over the same segments.
+double error_of_change(const std::vector<double>& before, const std::vector<double>& after) {
+  std::vector<double> d;
+  for (std::size_t k = 0; k < before.size(); ++k) d.push_back(after[k] * after[k] - before[k] * before[k]);
+  return sd(d) / std::sqrt(static_cast<double>(d.size())) / (rms(before) + rms(after));
+}
+
+void broad(const std::string& folder, Figures& figures) {
   const std::vector<std::string> trials{
       "01_undisturbed_slow_rotation_A",    "03_undisturbed_slow_rotation_C",
       "06_undisturbed_fast_rotation_A",    "08_undisturbed_fast_rotation_with_breaks_A",
@@ -202,25 +173,31 @@ void broad(const std::string& folder) {
   const auto windows = windows_of(*learner, {});
   const CalibrationSnapshot s = learn(windows);
   const Mat3 by_gravity = mat(s.gyr.matrix);
-  const Mat3 by_reference =
-      calib::gyro_matrix_gauss_newton(reference_segments(*learner, s.gyr, 2.0), Mat3::Identity(), 3);
+  // What the reference is off at its two ends does not grow with the time between them: long segments.
+  const auto learnt_on = reference_segments(*learner, s.gyr, 10.0);
+  const Mat3 by_reference = calib::gyro_matrix_gauss_newton(learnt_on, Mat3::Identity(), 3);
   std::printf(
       "BROAD, gyro matrix learnt on trial 04. Left: online, from gravity in %zu windows of rest. They lie in one "
       "attitude, 100 s of\n"
-      "turning apart: not observable, the prior stays. Right: Gauss-Newton on its reference rotations over 2 s.\n",
-      windows.size());
+      "turning apart: not observable, the prior stays. Right: Gauss-Newton on its reference rotations, %zu stretches "
+      "of "
+      "10 s.\n",
+      windows.size(), learnt_on.size());
   for (int k = 0; k < 3; ++k)
     std::printf("    %8.4f %8.4f %8.4f      %8.4f %8.4f %8.4f\n", by_gravity(k, 0), by_gravity(k, 1), by_gravity(k, 2),
                 by_reference(k, 0), by_reference(k, 1), by_reference(k, 2));
   std::printf(
-      "  rotation over 10 s of motion against the reference, deg rms, bias from each trial's own rest: none, online, "
-      "from reference\n");
+      "  rotation over 10 s of motion against the reference, deg rms, bias from each trial's own rest: factory -> from "
+      "the reference of trial 04, the change with its standard error\n");
   for (const auto& name : trials) {
     const auto r = io::read_recording(folder + "/broad/" + name + ".csv");
     if (!r) continue;
     const auto segments = reference_segments(*r, learn(windows_of(*r, {})).gyr, 10.0);
-    std::printf("    %-46s %.3f -> %.3f, %.3f\n", name.c_str(), rotation_error_deg(segments, Mat3::Identity()),
-                rotation_error_deg(segments, by_gravity), rotation_error_deg(segments, by_reference));
+    const auto before = rotation_errors_deg(segments, Mat3::Identity()),
+               after = rotation_errors_deg(segments, by_reference);
+    std::printf("    %-46s %.3f -> %.3f   %+.3f +- %.3f\n", name.c_str(), rms(before), rms(after),
+                rms(after) - rms(before), error_of_change(before, after));
+    figures["broad." + name.substr(0, 2)] = rms(after) / rms(before);
   }
 }
 
@@ -232,11 +209,12 @@ Figures real_recordings(const std::string& folder) {
     std::printf("SKIPPED: no such folder; give it with --recordings DIR\n");
     return {};
   }
-  poses(folder);
-  ferraris(folder);
-  chamber(folder);
-  broad(folder);
-  return {};
+  Figures figures;
+  poses(folder, figures);
+  ferraris(folder, figures);
+  thermal_chamber(folder, figures);
+  broad(folder, figures);
+  return figures;
 }
 
 }  // namespace stillpoint::bench

@@ -77,10 +77,12 @@ inline std::vector<Vec3> worn_directions(Random& random, int n) {
 using Figures = std::map<std::string, double>;
 Figures gietzelt_tables();
 Figures zhang_tables();
+void zhang_gyro_tables(Figures& figures);  ///< a part of zhang_tables
 Figures worn_and_adjusted();
 Figures simulated_day();
 Figures alignment_and_gyro();
 Figures rest_detection();
 Figures real_recordings(const std::string& folder);
+void thermal_chamber(const std::string& folder, Figures& figures);  ///< a part of real_recordings
 
 }  // namespace stillpoint::bench

@@ -95,7 +95,7 @@ bool OnlineCalibrator::absorb(const Window& window) noexcept {
   s_.stuck = window.stuck;
   s_.clipped = window.clipped;
   const bool changed = ((window.has & (kAcc | kGyr | kMag)) != 0 && learn(window)) || faults_changed;
-  name_faults();
+  for (std::size_t k = 0; k < 3; ++k) name_fault(k);
   if (changed) {
     ++snapshot_.version;
     snapshot_.t_ns = window.t_end_ns;
@@ -103,15 +103,15 @@ bool OnlineCalibrator::absorb(const Window& window) noexcept {
   return changed;
 }
 
-/// What a triad that is stuck or clipped has learnt stays; its status says that it cannot be relied on now.
-void OnlineCalibrator::name_faults() noexcept {
+/// What a triad (acc, gyr, mag) that is stuck or clipped has learnt stays; its status says that it cannot be relied on
+/// now.
+void OnlineCalibrator::name_fault(std::size_t triad) noexcept {
+  constexpr std::array<std::uint8_t, 3> kBits{kAcc, kGyr, kMag};
   const std::array<TriadCalibration*, 3> triads{&snapshot_.acc, &snapshot_.gyr, &snapshot_.mag};
-  const std::array<std::uint8_t, 3> bits{kAcc, kGyr, kMag};
-  for (std::size_t k = 0; k < 3; ++k) {
-    s_.sound[k] = triads[k]->status;
-    if ((s_.clipped & bits[k]) != 0) triads[k]->status = CalibrationStatus::kClipped;
-    if ((s_.stuck & bits[k]) != 0) triads[k]->status = CalibrationStatus::kStuck;
-  }
+  CalibrationStatus& status = triads[triad]->status;
+  s_.sound[triad] = status;
+  if ((s_.clipped & kBits[triad]) != 0) status = CalibrationStatus::kClipped;
+  if ((s_.stuck & kBits[triad]) != 0) status = CalibrationStatus::kStuck;
 }
 
 bool OnlineCalibrator::learn(const Window& window) noexcept {

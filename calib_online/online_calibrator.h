@@ -115,7 +115,7 @@ class OnlineCalibrator {
   [[nodiscard]] double tau(double temp_degC, const TriadCalibration& factory) const noexcept;
   void predict(std::int64_t t_ns) noexcept;
   bool learn(const Window& window) noexcept;
-  void name_faults() noexcept;
+  void name_fault(std::size_t triad) noexcept;
   bool absorb_acc(const Window& window) noexcept;
   bool absorb_gyr(const Window& window) noexcept;
   bool absorb_turn(const Window& window) noexcept;

@@ -141,7 +141,12 @@ void OnlineCalibrator::commit_stretch() noexcept {
 void OnlineCalibrator::publish_gyr(double temp_degC) noexcept {
   const GyrFilter present = with_stretch();
   const double t = tau(temp_degC, factory_.gyr);
-  const Mat3 c = present.polynomial();
+  Mat3 c = present.polynomial();
+  const Vec3 now = present.at(t, t * t);
+  const auto follows =
+      present.follows_temperature(tau(s_.temp_min_degC, factory_.gyr), tau(s_.temp_max_degC, factory_.gyr));
+  for (int axis = 0; axis < 3; ++axis)
+    if (!follows[static_cast<std::size_t>(axis)]) c.row(axis) << now[axis], 0.0, 0.0;
   const double s = kTempScale_K;
   TriadCalibration& out = snapshot_.gyr;
   out.bias = array(Vec3(vec(factory_.gyr.bias) + c.col(0)));

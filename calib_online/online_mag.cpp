@@ -28,8 +28,7 @@ bool OnlineCalibrator::absorb(const FieldTurn& t) noexcept {
   if (!due && verdict != FieldFilter::Verdict::kBodyChanged) return false;
   s_.field_published_ns = t.t_end_ns;
   publish_mag();
-  s_.sound[2] = snapshot_.mag.status;
-  if ((s_.stuck & kMag) != 0) snapshot_.mag.status = CalibrationStatus::kStuck;
+  name_fault(2);
   ++snapshot_.version;
   snapshot_.t_ns = t.t_end_ns;
   return true;

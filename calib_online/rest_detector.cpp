@@ -139,8 +139,10 @@ void RestDetector::add(const RawSample& sample, const CalibrationSnapshot& calib
     add(kGyrIndex, calibration.gyr.apply(sample.gyr_radps, temp_degC), block, Mat3::Identity());
     current_.triad[kGyrIndex].clipped += beyond(sample.gyr_radps, params_.gyr_limit_radps);
   }
-  if (sample.holds(kMag) && finite(sample.mag_uT))
+  if (sample.holds(kMag) && finite(sample.mag_uT)) {
     add(kMagIndex, calibration.mag.apply(sample.mag_uT, temp_degC), block, R_ref_body);
+    current_.triad[kMagIndex].clipped += beyond(sample.mag_uT, params_.mag_limit_uT);
+  }
   if (sample.holds(kTemp) && std::isfinite(sample.temp_degC)) {
     current_.temp_sum += sample.temp_degC;
     ++current_.temp_count;

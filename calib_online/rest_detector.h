@@ -1,6 +1,6 @@
 /// Finds rest windows in the stream of samples: quarter means of the specific force after de-rotation by the gyroscope.
 /// Zero-mean vibration averages out, sway and turning are removed by the rotation, what is left is linear acceleration
-/// (docs/math/rest.md, R1-R6). Beside the paper's rule (rest_rules.h) this one also excludes steady turning: gravity
+/// (docs/math/rest.md, R1-R7). Beside the paper's rule (rest_rules.h) this one also excludes steady turning: gravity
 /// and the magnetic field must keep their direction over a baseline that grows to two minutes, and what they cannot
 /// exclude (a turn about the vertical without a magnetometer) is handed on as `Window::turn_cov`.
 #pragma once
@@ -26,8 +26,9 @@ struct RestDetectorParams {
   double gyr_bias_sd_radps = 1.0 * kRadPerDeg;
   double norm_tolerance = 0.15;
   double gravity_mps2 = kStandardGravity_mps2;
-  double acc_limit_mps2 = 1e9;  ///< clipped from here on; the daemon sets both from the full scales of its sensor
+  double acc_limit_mps2 = 1e9;  ///< clipped from here on; the daemon sets all three from the full scales of its sensor
   double gyr_limit_radps = 1e9;
+  double mag_limit_uT = 1e9;
   double rotation_max_s = 120.0;
 
   static constexpr auto fields() {
@@ -123,6 +124,8 @@ class RestDetector {
   };
   struct Evidence {
     std::array<Summary, 3> triad;
+    Vec3 turn = Vec3::Zero();              ///< rad/s, from gravity and the field alone
+    Mat3 turn_information = Mat3::Zero();  ///< of that; zero about an axis that neither shows
     Mat3 turn_cov = Mat3::Zero();
     bool use_still = false;
     std::uint8_t stuck = 0, clipped = 0;

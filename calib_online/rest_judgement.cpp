@@ -192,6 +192,8 @@ bool RestDetector::turns(Evidence& e) noexcept {
   // The test leans on no prior: only the axis that nothing observes is held.
   const Mat3 free = (information + Mat3::Identity()).inverse();
   const Vec3 turn = free * rhs;
+  e.turn = turn;
+  e.turn_information = information;
   // A turn below significance is not refused, but what is seen of it is possible.
   e.turn_cov = bound + turn * turn.transpose();
   if (turn.norm() > params_.turn_radps && turn.dot(information * turn) > kSignificant * kSignificant) {
@@ -214,7 +216,12 @@ bool RestDetector::rate_beyond_known_bias(const Evidence& e, const CalibrationSn
   const Summary& gyr = e.triad[kGyrIndex];
   if (gyr.n == 0 || calibration.gyr.status != CalibrationStatus::kOk) return false;
   const double prior_var = params_.unseen_turn_sd_radps * params_.unseen_turn_sd_radps;
-  const Vec3 unseen = e.turn_cov * gyr.mean / prior_var;
+  // R7: a rate that gravity and the field contradict is no turn, but for what it holds about an axis they do not show.
+  const Vec3 excess = gyr.mean - e.turn;
+  const bool contradicted = excess.dot(e.turn_information * excess) > kSignificant * kSignificant;
+  const Vec3 unseen = contradicted
+                          ? Vec3((Mat3::Identity() + gyr.mean.squaredNorm() * e.turn_information).inverse() * gyr.mean)
+                          : Vec3(e.turn_cov * gyr.mean / prior_var);
   const double size = unseen.norm();
   const Vec3 axis = unseen / std::max(size, 1e-12);
   const Mat3 known = mat(calibration.gyr.bias_covariance) + gyr.cov;

@@ -15,7 +15,7 @@ struct CellEvidence {
   Vec9 Jp;
 };
 
-/// (T11): the bias entries of another temperature differ by `difference` more than the polynomial says. For one cell
+/// (T12): the bias entries of another temperature differ by `difference` more than the polynomial says. For one cell
 /// J = (I^-1 + D)^-1 with D on the three bias entries only, so three rows are all that has to be inverted.
 CellEvidence evidence(const Moments& sums, double window_variance, double difference) {
   const Moments::Mat10 P = sums.normal_matrix();

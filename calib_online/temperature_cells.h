@@ -1,6 +1,6 @@
 /// Temperature-tagged forgetting: one vector of moment sums per temperature cell. Evidence fades only when newer
 /// evidence of the same temperature arrives, so coming back to 5 degC finds what was learnt at 5 degC
-/// (docs/math/temperature.md, T8-T12). A cell with few directions inherits from the others: all cells lie about one
+/// (docs/math/temperature.md, T9-T13). A cell with few directions inherits from the others: all cells lie about one
 /// polynomial, and what that leaves makes a cell count less the further away it is. The alternative to the Kalman form
 /// of temperature_filter.h; which is the default, and why, says docs/decisions/011.
 #pragma once
@@ -60,7 +60,7 @@ class TemperatureCells {
 
   /// x in working coordinates, C the covariance of its noise there.
   void add(const Vec3& x, const Mat3& C, double temp_degC, double weight = 1.0) noexcept;
-  /// The nine entries at this temperature, from all cells (T10-T12).
+  /// The nine entries at this temperature, from all cells (T11-T13).
   [[nodiscard]] Estimate at(double temp_degC, const Prior& prior) const noexcept;
   /// The sums of all cells: no temperature model at all.
   [[nodiscard]] Moments all() const noexcept;

@@ -1,6 +1,7 @@
 #include "calib_online/temperature_filter.h"
 
 #include <Eigen/Dense>
+#include <algorithm>
 #include <cmath>
 
 namespace stillpoint::calib {
@@ -165,6 +166,26 @@ Vec3 GyrFilter::at(double tau, double tau2) const noexcept {
 Mat3 GyrFilter::covariance_at(double tau, double tau2) const noexcept {
   const auto h = regressors(tau, tau2);
   return h.transpose() * s_.P.full() * h;
+}
+
+std::array<bool, 3> GyrFilter::follows_temperature(double tau_min, double tau_max) const noexcept {
+  const StateMat P = s_.P.full();
+  const double hysteresis = params_.hysteresis_per_K_radps * kTempScale_K * (tau_max - tau_min);
+  std::array<bool, 3> out{};
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const double b1 = s_.x[4 * axis + 1], b2 = s_.x[4 * axis + 2];
+    const Eigen::Matrix2d P_b = P.block<2, 2>(static_cast<int>(4 * axis) + 1, static_cast<int>(4 * axis) + 1);
+    // The extremes of a parabola over a range lie at its ends or at its vertex.
+    const double vertex = b2 != 0.0 ? std::clamp(-0.5 * b1 / b2, tau_min, tau_max) : tau_min;
+    const std::array<double, 3> at{tau_min, tau_max, vertex};
+    for (const double from : at)
+      for (const double to : at) {
+        const Eigen::Vector2d d(to - from, to * to - from * from);
+        const double change = d.dot(Eigen::Vector2d(b1, b2));
+        out[axis] = out[axis] || squared(change) > 4.0 * (squared(hysteresis) + d.dot(P_b * d));
+      }
+  }
+  return out;
 }
 
 Mat3 GyrFilter::polynomial() const noexcept {

@@ -1,5 +1,5 @@
 /// The default temperature model: calibration parameters that are polynomials of temperature with a slowly decaying
-/// part for hysteresis, as Kalman filters over rest windows (docs/math/temperature.md, T1-T7; the design is ours, in
+/// part for hysteresis, as Kalman filters over rest windows (docs/math/temperature.md, T1-T8; the design is ours, in
 /// neither paper). tau = (T - T_ref) / 25 K.
 #pragma once
 #include <array>
@@ -117,6 +117,7 @@ struct GyrFilterParams {
   double wander_s = 3600.0;
   double bias_walk_radps_rts = 2e-6;
   double mean_floor_radps = 0.003 * kRadPerDeg;
+  double hysteresis_per_K_radps = 0.004 * kRadPerDeg;
 
   static constexpr auto fields() {
     using P = GyrFilterParams;
@@ -131,6 +132,8 @@ struct GyrFilterParams {
         field("bias_walk_radps_rts", &P::bias_walk_radps_rts, in_range(0.0, 0.01), "random walk, per root second"),
         field("mean_floor_radps", &P::mean_floor_radps, in_range(1e-8, 0.01),
               "what a window's mean is off beyond its noise"),
+        field("hysteresis_per_K_radps", &P::hysteresis_per_K_radps, in_range(0.0, 0.1),
+              "what a change of temperature leaves of the bias when it is undone, sd per K of the change"),
     };
   }
 };
@@ -156,6 +159,9 @@ class GyrFilter {
   [[nodiscard]] Mat3 covariance_at(double tau, double tau2) const noexcept;
   /// (b0 + decaying part, b1, b2) as columns.
   [[nodiscard]] Mat3 polynomial() const noexcept;
+  /// Per axis: what temperature is seen to do between two tau is more than 2 sd of hysteresis and of its own error
+  /// (T8). Less may belong to the sweep it was seen on and not to the temperature.
+  [[nodiscard]] std::array<bool, 3> follows_temperature(double tau_min, double tau_max) const noexcept;
   [[nodiscard]] const State& state() const noexcept { return s_; }
   void restore(const State& s) noexcept { s_ = s; }
 

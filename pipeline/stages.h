@@ -90,6 +90,7 @@ class Stages {
     calib::RestDetectorParams rest = params.rest;
     rest.acc_limit_mps2 = kClippedFrom * params.guard.acc_limit_mps2;
     rest.gyr_limit_radps = kClippedFrom * params.guard.gyr_limit_radps;
+    rest.mag_limit_uT = kClippedFrom * params.guard.mag_limit_uT;
     return rest;
   }
 

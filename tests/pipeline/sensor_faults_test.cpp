@@ -25,6 +25,8 @@ struct Published {
 StagesParams params() {
   StagesParams p;
   p.guard.acc_limit_mps2 = 40.0;
+  p.guard.gyr_limit_radps = 8.0;
+  p.guard.mag_limit_uT = 800.0;
   return p;
 }
 
@@ -84,9 +86,20 @@ TEST(SensorFaults, AStuckTriadIsNamedAndItsEvidenceSetAside) {
 }
 
 TEST(SensorFaults, ASaturatedTriadIsNamedAndItsEvidenceSetAside) {
-  const auto published = run(changed(60, 80, [](RawSample& s) { s.acc_mps2[2] = 40.0; }));
-  EXPECT_TRUE(ever(published, &CalibrationSnapshot::acc, CalibrationStatus::kClipped));
-  EXPECT_NE(published.back().acc.status, CalibrationStatus::kClipped);
+  const struct {
+    TriadCalibration CalibrationSnapshot::*triad;
+    std::function<void(RawSample&)> saturate;
+  } cases[] = {{&CalibrationSnapshot::acc, [](RawSample& s) { s.acc_mps2[2] = 40.0; }},
+               {&CalibrationSnapshot::gyr, [](RawSample& s) { s.gyr_radps[0] = -8.0; }},
+               {&CalibrationSnapshot::mag, [](RawSample& s) { s.mag_uT[1] = 800.0; }}};
+  for (const auto& c : cases) {
+    const auto published = run(changed(60, 80, c.saturate));
+    const auto which = &c - cases;
+    EXPECT_TRUE(ever(published, c.triad, CalibrationStatus::kClipped)) << which;
+    EXPECT_NE((published.back().*c.triad).status, CalibrationStatus::kClipped) << which << ": the fault is over";
+    for (const auto other : {&CalibrationSnapshot::acc, &CalibrationSnapshot::gyr, &CalibrationSnapshot::mag})
+      EXPECT_TRUE(other == c.triad || !ever(published, other, CalibrationStatus::kClipped)) << which;
+  }
 }
 
 TEST(SensorFaults, AReplacedAccelerometerIsNamedAndTheFactoryValuesServe) {
@@ -101,6 +114,22 @@ TEST(SensorFaults, AReplacedAccelerometerIsNamedAndTheFactoryValuesServe) {
     const bool just_found = s.acc.status == CalibrationStatus::kReplaced && s.acc.norm_sd == 0.0;
     EXPECT_TRUE(!just_found || s.acc.bias == TriadCalibration{}.bias);
   }
+}
+
+TEST(SensorFaults, AReplacedGyroscopeIsNamedAndItsTurnsSetAside) {
+  std::vector<RawSample> samples = test::hand_samples(360.0);
+  for (std::size_t k = samples.size() / 3; k < samples.size(); ++k) samples[k].gyr_radps[1] += 0.05;
+  const auto published = run(samples);
+  EXPECT_TRUE(ever(published, &CalibrationSnapshot::gyr, CalibrationStatus::kReplaced));
+  for (const CalibrationSnapshot& s : published) {
+    if (s.gyr.status == CalibrationStatus::kReplaced) {
+      EXPECT_GT(s.gyr.norm_sd, 0.25 * calib::GyrFilterParams{}.bias_sd_radps);  // not surer than of a new one
+    }
+  }
+  const auto sound = run(test::hand_samples(360.0)).back().gyr;
+  const auto& last = published.back().gyr;
+  EXPECT_EQ(last.status, CalibrationStatus::kOk);
+  EXPECT_NEAR(last.bias[1] - sound.bias[1], 0.05, 3.0 * last.norm_sd);
 }
 
 }  // namespace
