@@ -15,6 +15,13 @@ Columns matrix_of(const Series3& x) {
   return out;
 }
 
+std::vector<std::string> entries(const std::string& letter) {
+  std::vector<std::string> names;
+  for (const char* row : kAxisName)
+    for (const char* column : kAxisName) names.push_back(letter + "_" + row + column);
+  return names;
+}
+
 Columns coupled(std::initializer_list<Series3> parts) {
   Columns out;
   for (const auto& part : parts) out.push_back({-1, part});

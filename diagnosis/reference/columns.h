@@ -8,6 +8,8 @@ namespace stillpoint::diag {
 [[nodiscard]] Columns diagonal(const Series3& x);
 /// A full 3x3 matrix of coefficients times x, row-major.
 [[nodiscard]] Columns matrix_of(const Series3& x);
+/// The names of those nine: letter_xx, letter_xy, ...
+[[nodiscard]] std::vector<std::string> entries(const std::string& letter);
 /// One scalar driver with a coefficient an axis.
 [[nodiscard]] Columns on_each_axis(const Series& x);
 /// Vectors with one coefficient each, common to the axes.

@@ -10,13 +10,6 @@ namespace {
 
 const std::vector<std::string> kPerAxis{"k_x", "k_y", "k_z"};
 
-std::vector<std::string> entries(const std::string& letter) {
-  std::vector<std::string> names;
-  for (const char* row : kAxisName)
-    for (const char* column : kAxisName) names.push_back(fmt::format("{}_{}{}", letter, row, column));
-  return names;
-}
-
 class LawList {
  public:
   LawList(const Signals& s, Sensor sensor) : s_(s), sensor_(sensor), prefix_(std::string(kSensorName[sensor]) + "_") {}

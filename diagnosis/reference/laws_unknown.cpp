@@ -42,13 +42,10 @@ class Products {
   void scalars_and_their_products() {
     const auto& scalars = drivers_->scalars;
     for (std::size_t a = 0; a < scalars.size(); ++a) {
-      if (!catalogued(scalars[a].name)) add(scalars[a].name, [a](const Drivers& d) { return d.scalars[a].x; });
-      for (std::size_t b = a; b < scalars.size(); ++b) {
-        const bool square_of_temperature = a == b && scalars[a].name == "(T-T0)" && sensor_ != kMag;
-        if (!square_of_temperature)
-          add(scalars[a].name + "*" + scalars[b].name,
-              [a, b](const Drivers& d) -> Series { return d.scalars[a].x.cwiseProduct(d.scalars[b].x); });
-      }
+      add(scalars[a].name, [a](const Drivers& d) { return d.scalars[a].x; });
+      for (std::size_t b = a; b < scalars.size(); ++b)
+        add(scalars[a].name + "*" + scalars[b].name,
+            [a, b](const Drivers& d) -> Series { return d.scalars[a].x.cwiseProduct(d.scalars[b].x); });
     }
   }
 
@@ -56,16 +53,13 @@ class Products {
     const auto& [scalars, vectors] = *drivers_;
     for (std::size_t v = 0; v < vectors.size(); ++v) {
       for (std::size_t a = 0; a < scalars.size(); ++a) {
-        const bool catalogued = v == static_cast<std::size_t>(sensor_) && scalars[a].name == "(T-T0)";
-        if (!catalogued)
-          add_vector(vectors[v].name + "*" + scalars[a].name,
-                     [v, a](const Drivers& d) -> Series3 { return d.scalars[a].x.asDiagonal() * d.vectors[v].x; });
+        add_vector(vectors[v].name + "*" + scalars[a].name,
+                   [v, a](const Drivers& d) -> Series3 { return d.scalars[a].x.asDiagonal() * d.vectors[v].x; });
         for (int j = 0; j < 3; ++j)
           add(fmt::format("{}*{}", component(v, j), scalars[a].name),
               [v, a, j](const Drivers& d) -> Series { return d.scalars[a].x.cwiseProduct(d.vectors[v].x.col(j)); });
       }
-      const bool linear = v == static_cast<std::size_t>(sensor_) || (sensor_ == kGyr && v == 0);
-      if (linear) continue;
+      if (v == static_cast<std::size_t>(sensor_)) continue;  // a linear map of its own vector is a wrong matrix
       add_vector(vectors[v].name, [v](const Drivers& d) { return d.vectors[v].x; });
       for (int j = 0; j < 3; ++j)
         add(component(v, j), [v, j](const Drivers& d) -> Series { return d.vectors[v].x.col(j); });
@@ -82,20 +76,59 @@ class Products {
             });
   }
 
-  /// An offset that is there for a while, by no driver at all: the plain rival of whatever is local in time.
-  void offset_for_a_while(Eigen::Index n) {
-    add("offset(t)", [n](const Drivers&) -> Series { return Series::Ones(n); });
-    laws_.back().extent = Extent::kStep;
-    laws_.back().equation = "an offset fixed in the body, for a while";
-    laws_.back().driver = "something that is not in the recording";
+  /// Powers of the sensor's own vector, each axis by itself.
+  void own_vector() {
+    const auto v = static_cast<std::size_t>(sensor_);
+    const std::string& name = drivers_->vectors[v].name;
+    add_vector(name + "^2", [v](const Drivers& d) -> Series3 { return d.vectors[v].x.cwiseAbs2(); });
+    add_vector(name + "^3", [v](const Drivers& d) -> Series3 { return d.vectors[v].x.array().cube(); });
+    add_vector("|" + name + "_i|", [v](const Drivers& d) -> Series3 { return d.vectors[v].x.cwiseAbs(); });
   }
 
-  std::vector<Law> take() { return std::move(laws_); }
+  /// What a vector does through a full matrix, and what lags behind the temperature.
+  void matrices_and_lags(const Signals& s) {
+    if (sensor_ == kGyr) {
+      add_columns("f", [d = drivers_](double) { return matrix_of(d->vectors[kAcc].x); });
+      laws_.back().coefficients = entries("k");
+    }
+    if (!s.temperature_K.size()) return;
+    add_columns("dT/dt", [&s](double tau) { return on_each_axis(lagged_difference(s.temperature_K, s.dt_s, tau)); });
+    laws_.back().shapes = {5.0, 15.0, 40.0};
+  }
+
+  /// The arm of a rigid body: its nine products of rates go together or not at all.
+  void arm(const Signals& s) {
+    add_columns("dw/dt x r + w x (w x r)", [&s](double) {
+      return coupled({lever_column(s, 0), lever_column(s, 1), lever_column(s, 2)});
+    });
+  }
+
+  /// An offset, one fixed in the world, a linear map, each there for a while and by no driver at all: the plain rivals
+  /// of whatever is local in time.
+  void for_a_while(const Signals& s) {
+    const auto add_step = [this](const std::string& name, const std::string& what, auto columns) {
+      add_columns(name, columns);
+      laws_.back().extent = Extent::kStep;
+      laws_.back().equation = what + ", for a while";
+      laws_.back().driver = "something that is not in the recording";
+    };
+    add_step("offset(t)", "an offset fixed in the body", [n = s.n](double) { return on_each_axis(Series::Ones(n)); });
+    if (sensor_ != kMag) return;
+    add_step("field(t)", "an offset fixed in the world", [&s](double) { return world_fixed(s); });
+    add_step("m(t)", "a linear map of the field", [&s](double) { return matrix_of(s.vector[kMag]); });
+    laws_.back().coefficients = entries("k");
+  }
+
+  /// Temperature and supply do not stop acting in the middle of a recording; in a short window they would only stand
+  /// for an offset.
+  std::vector<Law> take() {
+    for (Law& law : laws_)
+      for (const char* lasting : {"T", "V"})
+        if (law.id.find(lasting) != std::string::npos) law.extent = Extent::kWhole;
+    return std::move(laws_);
+  }
 
  private:
-  [[nodiscard]] bool catalogued(const std::string& scalar) const {
-    return scalar == "(T-T0)" || (scalar == "(V-V0)" && sensor_ != kMag) || (scalar == "I" && sensor_ == kMag);
-  }
   [[nodiscard]] std::string component(std::size_t v, int axis) const {
     return fmt::format("{}_{}", drivers_->vectors[v].name, kAxisName[static_cast<std::size_t>(axis)]);
   }
@@ -132,7 +165,10 @@ std::vector<Law> make_unknown_laws(const Signals& s, Sensor sensor) {
   products.scalars_and_their_products();
   products.vectors_and_scalars();
   products.vectors_and_vectors();
-  if (sensor != kMag) products.offset_for_a_while(s.n);
+  products.own_vector();
+  products.matrices_and_lags(s);
+  if (sensor == kAcc && s.has_position) products.arm(s);
+  products.for_a_while(s);
   std::vector<Law> laws = products.take();
   drop_inseparable(s, sensor, laws);
   return laws;

@@ -117,7 +117,7 @@ Found found_from(const Law& law, const Candidate& c, Columns columns) {
 
 void refine_shape(const Target& target, const Columns& explained, const std::vector<double>& grid, Found& f) {
   constexpr int kSections = 12;
-  constexpr double kGolden = 0.6180339887498949, kBeyond = 3.0;
+  constexpr double kGolden = 0.6180339887498949, kBeyond = 1.5;
   const NoiseModel noise(target.layout, fit_profile(target, joined(explained, f.columns)).leftover);
   const auto gain = [&](double log_shape) {
     return fit_with(target, joined(explained, f.at_shape(std::exp(log_shape))), noise, {}).log_likelihood;

@@ -11,43 +11,57 @@ constexpr int kProfileRounds = 3;
 constexpr double kShortestWalkPeriod_s = 8.0;
 constexpr int kMostWalkTerms = 40;
 
+/// One axis, whitened, as normal equations: nuisance and columns first, the walk last, so that the model without a walk
+/// is the top left corner.
 struct AxisSystem {
-  Eigen::MatrixXd design;            // whitened: nuisance, columns, walk
+  Eigen::MatrixXd design;
   std::vector<Eigen::Index> global;  // index of each design column among all unknowns
+  Eigen::Index plain = 0;            // design columns before the walk
   Series rhs;
+  Eigen::MatrixXd gram;    // design' design
+  Eigen::VectorXd moment;  // design' rhs
 };
+using Systems = std::array<AxisSystem, 3>;
 
-/// Prior precision of the walk's coefficient k (1-based): a walk with q unit/sqrt(s) has variance 2 q^2 T / (k pi)^2
+/// Prior deviations of the walk's coefficients k = 1..K: a walk with q unit/sqrt(s) has variance 2 q^2 T / (k pi)^2
 /// there.
-double walk_variance(double q, int k, double duration_s) {
-  const double root = static_cast<double>(k) * std::numbers::pi;
-  return 2.0 * q * q * duration_s / (root * root);
+Eigen::VectorXd walk_deviations(const Target& t, double q) {
+  Eigen::VectorXd d(t.walk.cols());
+  for (Eigen::Index k = 0; k < d.size(); ++k)
+    d[k] = q * std::sqrt(2.0 * t.duration_s) / (static_cast<double>(k + 1) * std::numbers::pi);
+  return d;
 }
 
-AxisSystem whitened_system(const Target& t, const Columns& columns, const NoiseModel& noise, int axis, bool with_walk) {
+AxisSystem whitened_system(const Target& t, const Columns& columns, const NoiseModel& noise, int axis) {
   AxisSystem out;
   const auto p = static_cast<Eigen::Index>(columns.size());
-  std::vector<Series> parts;
-  for (Eigen::Index j = 0; j < t.nuisance.cols(); ++j) {
-    parts.push_back(noise.whiten(t.layout, t.nuisance.col(j), axis));
-    out.global.push_back(axis * t.nuisance.cols() + j);
-  }
+  const Eigen::Index z = t.nuisance.cols();
+  std::vector<Series> shown;
+  for (Eigen::Index j = 0; j < z; ++j) out.global.push_back(axis * z + j);
   for (Eigen::Index j = 0; j < p; ++j) {
-    const auto shown = shown_in(columns[static_cast<std::size_t>(j)], axis);
-    if (!shown) continue;
-    parts.push_back(noise.whiten(t.layout, *shown, axis));
-    out.global.push_back(3 * t.nuisance.cols() + j);
+    auto x = shown_in(columns[static_cast<std::size_t>(j)], axis);
+    if (!x) continue;
+    shown.push_back(std::move(*x));
+    out.global.push_back(3 * z + j);
   }
-  if (with_walk) {
-    for (Eigen::Index j = 0; j < t.walk.cols(); ++j) {
-      parts.push_back(noise.whiten(t.layout, t.walk.col(j), axis));
-      out.global.push_back(3 * t.nuisance.cols() + p + axis * t.walk.cols() + j);
-    }
-  }
-  out.design.resize(t.layout.n, static_cast<Eigen::Index>(parts.size()));
-  for (std::size_t j = 0; j < parts.size(); ++j) out.design.col(static_cast<Eigen::Index>(j)) = parts[j];
+  out.plain = static_cast<Eigen::Index>(out.global.size());
+  for (Eigen::Index j = 0; j < t.walk.cols(); ++j) out.global.push_back(3 * z + p + axis * t.walk.cols() + j);
+  out.design.resize(t.layout.n, static_cast<Eigen::Index>(out.global.size()));
+  for (Eigen::Index j = 0; j < out.design.cols(); ++j)
+    out.design.col(j) = j < z           ? noise.whiten(t.layout, t.nuisance.col(j), axis)
+                        : j < out.plain ? noise.whiten(t.layout, shown[static_cast<std::size_t>(j - z)], axis)
+                                        : noise.whiten(t.layout, t.walk.col(j - out.plain), axis);
   out.rhs = noise.whiten(t.layout, t.residual.col(axis), axis);
+  out.gram = Eigen::MatrixXd::Zero(out.design.cols(), out.design.cols());
+  out.gram.selfadjointView<Eigen::Lower>().rankUpdate(out.design.transpose());
+  out.gram.triangularView<Eigen::StrictlyUpper>() = out.gram.transpose();
+  out.moment = out.design.transpose() * out.rhs;
   return out;
+}
+
+Systems whitened_systems(const Target& t, const Columns& columns, const NoiseModel& noise) {
+  return {whitened_system(t, columns, noise, 0), whitened_system(t, columns, noise, 1),
+          whitened_system(t, columns, noise, 2)};
 }
 
 Series3 remove(const Target& t, const Columns& columns, const Eigen::VectorXd& x) {
@@ -66,19 +80,17 @@ Series3 remove(const Target& t, const Columns& columns, const Eigen::VectorXd& x
   return left;
 }
 
-/// The q of one axis that makes what is left most likely, among a geometric grid and 0.
-double best_walk(const Target& t, const NoiseModel& noise, const Series& leftover, int axis) {
+/// The q of one axis that makes most likely what `without`, the fit with no walk, leaves over: among a geometric grid
+/// and 0.
+double best_walk(const Target& t, const NoiseModel& noise, const AxisSystem& a, const Eigen::VectorXd& without,
+                 int axis) {
   const Eigen::Index K = t.walk.cols();
-  Eigen::MatrixXd C(t.layout.n, K);
-  for (Eigen::Index j = 0; j < K; ++j) C.col(j) = noise.whiten(t.layout, t.walk.col(j), axis);
-  const Series r = noise.whiten(t.layout, leftover, axis);
-  const Eigen::MatrixXd G = C.transpose() * C;
-  const Eigen::VectorXd g = C.transpose() * r;
+  const Eigen::MatrixXd G = a.gram.bottomRightCorner(K, K);
+  const Eigen::VectorXd g = a.moment.tail(K) - a.gram.bottomLeftCorner(K, a.plain) * without;
   const double unit = noise.innovation_sd(axis) / std::sqrt(t.duration_s);
   double best_q = 0.0, best = 0.0;
   for (double q = 0.003 * unit; q < 300.0 * unit; q *= 2.0) {
-    Eigen::VectorXd d(K);
-    for (Eigen::Index k = 0; k < K; ++k) d[k] = std::sqrt(walk_variance(q, static_cast<int>(k) + 1, t.duration_s));
+    const Eigen::VectorXd d = walk_deviations(t, q);
     const Eigen::MatrixXd M = Eigen::MatrixXd::Identity(K, K) + d.asDiagonal() * G * d.asDiagonal();
     const Eigen::LLT<Eigen::MatrixXd> llt(M);
     const Eigen::VectorXd dg = d.cwiseProduct(g);
@@ -87,6 +99,84 @@ double best_walk(const Target& t, const NoiseModel& noise, const Series& leftove
     if (gain > best) best = gain, best_q = q;
   }
   return best_q;
+}
+
+bool any_walks(const std::array<double, 3>& q) { return q[0] > 0 || q[1] > 0 || q[2] > 0; }
+
+/// A walk that one axis does not need is pinned there.
+double walk_of(const std::array<double, 3>& q, const NoiseModel& noise, int axis) {
+  return std::max(q[static_cast<std::size_t>(axis)], 1e-9 * noise.innovation_sd(axis));
+}
+
+struct Solution {
+  Eigen::VectorXd x;        // nuisance of the three axes, columns, walk of the three axes
+  Eigen::MatrixXd inverse;  // of the normal matrix: all rows, the columns of nuisance and candidates
+  double log_det = 0.0;     // of the walk, marginalised
+};
+
+Solution solve_normal(const Target& t, const Columns& columns, const NoiseModel& noise, const Systems& systems,
+                      const std::array<double, 3>& walk_q) {
+  const Eigen::Index z = t.nuisance.cols();
+  const auto p = static_cast<Eigen::Index>(columns.size());
+  const bool walks = t.walk.cols() > 0 && any_walks(walk_q);
+  const Eigen::Index K = walks ? t.walk.cols() : 0;
+  const Eigen::Index unknowns = 3 * z + p + 3 * K;
+  Eigen::MatrixXd G = Eigen::MatrixXd::Zero(unknowns, unknowns);
+  Eigen::VectorXd g = Eigen::VectorXd::Zero(unknowns);
+  Solution out;
+  for (int axis = 0; axis < 3; ++axis) {
+    const AxisSystem& a = systems[static_cast<std::size_t>(axis)];
+    const Eigen::Index used = a.plain + K;
+    for (Eigen::Index i = 0; i < used; ++i) {
+      const Eigen::Index row = a.global[static_cast<std::size_t>(i)];
+      g[row] += a.moment[i];
+      for (Eigen::Index j = 0; j < used; ++j) G(row, a.global[static_cast<std::size_t>(j)]) += a.gram(i, j);
+    }
+    if (!walks) continue;
+    const Eigen::Index first = 3 * z + p + axis * K;
+    const Eigen::VectorXd d = walk_deviations(t, walk_of(walk_q, noise, axis));
+    const Eigen::MatrixXd M =
+        Eigen::MatrixXd::Identity(K, K) + d.asDiagonal() * G.block(first, first, K, K) * d.asDiagonal();
+    out.log_det += 2.0 * Eigen::LLT<Eigen::MatrixXd>(M).matrixLLT().diagonal().array().log().sum();
+    G.diagonal().segment(first, K) += d.cwiseAbs2().cwiseInverse();
+  }
+  // Unknowns have wildly different units; the system is solved with a unit diagonal, and a whisper of ridge against
+  // exact copies.
+  const Eigen::VectorXd scale = G.diagonal().cwiseMax(1e-280).cwiseSqrt().cwiseInverse();
+  Eigen::MatrixXd S = scale.asDiagonal() * G * scale.asDiagonal();
+  S.diagonal().array() += 1e-10;
+  const Eigen::LDLT<Eigen::MatrixXd> ldlt(S);
+  out.x = scale.cwiseProduct(ldlt.solve(scale.cwiseProduct(g)));
+  out.inverse = scale.asDiagonal() * ldlt.solve(Eigen::MatrixXd::Identity(unknowns, 3 * z + p)) *
+                scale.head(3 * z + p).asDiagonal();
+  return out;
+}
+
+Fit solve(const Target& t, const Columns& columns, const NoiseModel& noise, const Systems& systems,
+          const std::array<double, 3>& walk_q) {
+  const Eigen::Index z = t.nuisance.cols();
+  const auto p = static_cast<Eigen::Index>(columns.size());
+  const Solution s = solve_normal(t, columns, noise, systems, walk_q);
+  Fit fit;
+  fit.theta = s.x.segment(3 * z, p);
+  fit.covariance = s.inverse.block(3 * z, 3 * z, p, p);
+  fit.nuisance = s.x.head(3 * z);
+  fit.nuisance_covariance = s.inverse.topLeftCorner(3 * z, 3 * z);
+  fit.leftover = remove(t, columns, s.x);
+  fit.whitened.resize(t.layout.n, 3);
+  double penalty = 0.0;
+  for (int axis = 0; axis < 3; ++axis) {
+    const AxisSystem& a = systems[static_cast<std::size_t>(axis)];
+    const bool walks = s.x.size() > 3 * z + p;
+    Eigen::VectorXd own(walks ? a.design.cols() : a.plain);
+    for (Eigen::Index i = 0; i < own.size(); ++i) own[i] = s.x[a.global[static_cast<std::size_t>(i)]];
+    fit.whitened.col(axis) = a.rhs - a.design.leftCols(own.size()) * own;
+    if (walks)
+      penalty += own.tail(t.walk.cols()).cwiseQuotient(walk_deviations(t, walk_of(walk_q, noise, axis))).squaredNorm();
+  }
+  fit.log_likelihood = noise.log_scale_sum() - 0.5 * (fit.whitened.squaredNorm() + penalty + s.log_det);
+  fit.walk_q = walk_q;
+  return fit;
 }
 
 }  // namespace
@@ -113,60 +203,11 @@ Target make_target(const Signals& s, Sensor sensor) {
 }
 
 Fit fit_with(const Target& t, const Columns& columns, const NoiseModel& noise, const std::array<double, 3>& walk_q) {
-  const Eigen::Index z = t.nuisance.cols();
-  const auto p = static_cast<Eigen::Index>(columns.size());
-  const bool with_walk = t.walk.cols() > 0 && (walk_q[0] > 0 || walk_q[1] > 0 || walk_q[2] > 0);
-  const Eigen::Index K = with_walk ? t.walk.cols() : 0;
-  const Eigen::Index unknowns = 3 * z + p + 3 * K;
-  Eigen::MatrixXd G = Eigen::MatrixXd::Zero(unknowns, unknowns);
-  Eigen::VectorXd g = Eigen::VectorXd::Zero(unknowns);
-  double log_det = 0.0;
-  for (int axis = 0; axis < 3; ++axis) {
-    const AxisSystem a = whitened_system(t, columns, noise, axis, with_walk);
-    const Eigen::MatrixXd local = a.design.transpose() * a.design;
-    const Eigen::VectorXd local_g = a.design.transpose() * a.rhs;
-    for (std::size_t i = 0; i < a.global.size(); ++i) {
-      g[a.global[i]] += local_g[static_cast<Eigen::Index>(i)];
-      for (std::size_t j = 0; j < a.global.size(); ++j)
-        G(a.global[i], a.global[j]) += local(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j));
-    }
-    if (!with_walk) continue;
-    const Eigen::Index first = 3 * z + p + axis * K;
-    const double q = std::max(walk_q[static_cast<std::size_t>(axis)], 1e-9 * noise.innovation_sd(axis));
-    Eigen::VectorXd d(K);
-    for (Eigen::Index k = 0; k < K; ++k) d[k] = std::sqrt(walk_variance(q, static_cast<int>(k) + 1, t.duration_s));
-    const Eigen::MatrixXd M =
-        Eigen::MatrixXd::Identity(K, K) + d.asDiagonal() * G.block(first, first, K, K) * d.asDiagonal();
-    log_det += 2.0 * Eigen::LLT<Eigen::MatrixXd>(M).matrixLLT().diagonal().array().log().sum();
-    for (Eigen::Index k = 0; k < K; ++k) G(first + k, first + k) += 1.0 / (d[k] * d[k]);
-  }
-  // Unknowns have wildly different units; the system is solved with a unit diagonal, and a whisper of ridge against
-  // exact copies.
-  const Eigen::VectorXd scale = G.diagonal().cwiseMax(1e-280).cwiseSqrt().cwiseInverse();
-  Eigen::MatrixXd S = scale.asDiagonal() * G * scale.asDiagonal();
-  S.diagonal().array() += 1e-10;
-  const Eigen::LDLT<Eigen::MatrixXd> ldlt(S);
-  const Eigen::VectorXd x = scale.cwiseProduct(ldlt.solve(scale.cwiseProduct(g)));
-  const Eigen::MatrixXd inverse = scale.asDiagonal() * ldlt.solve(Eigen::MatrixXd::Identity(unknowns, 3 * z + p));
-  Fit fit;
-  fit.theta = x.segment(3 * z, p);
-  fit.covariance = inverse.block(3 * z, 3 * z, p, p) * scale.segment(3 * z, p).asDiagonal();
-  fit.nuisance = x.head(3 * z);
-  fit.nuisance_covariance = inverse.topLeftCorner(3 * z, 3 * z) * scale.head(3 * z).asDiagonal();
-  fit.leftover = remove(t, columns, x);
-  fit.whitened.resize(t.layout.n, 3);
-  for (int axis = 0; axis < 3; ++axis) fit.whitened.col(axis) = noise.whiten(t.layout, fit.leftover.col(axis), axis);
-  double penalty = 0.0;
-  if (with_walk)
-    for (int axis = 0; axis < 3; ++axis)
-      for (Eigen::Index k = 0; k < K; ++k) {
-        const double q = std::max(walk_q[static_cast<std::size_t>(axis)], 1e-9 * noise.innovation_sd(axis));
-        const double c = x[3 * z + p + axis * K + k];
-        penalty += c * c / walk_variance(q, static_cast<int>(k) + 1, t.duration_s);
-      }
-  fit.log_likelihood = noise.log_scale_sum() - 0.5 * (fit.whitened.squaredNorm() + penalty + log_det);
-  fit.walk_q = walk_q;
-  return fit;
+  if (t.walk.cols() == 0 || any_walks(walk_q))
+    return solve(t, columns, noise, whitened_systems(t, columns, noise), walk_q);
+  Target still = t;
+  still.walk.resize(0, 0);
+  return solve(still, columns, noise, whitened_systems(still, columns, noise), walk_q);
 }
 
 Fit fit_profile(const Target& t, const Columns& columns) {
@@ -175,17 +216,22 @@ Fit fit_profile(const Target& t, const Columns& columns) {
   Target white = t;
   white.walk.resize(0, 0);
   white.layout.order = 0;
-  Fit fit = fit_with(white, columns, NoiseModel(white.layout, white.residual), {0.0, 0.0, 0.0});
-  std::array<double, 3> q{};
+  Fit fit = fit_with(white, columns, NoiseModel(white.layout, white.residual), {});
   for (int round = 0; round < kProfileRounds; ++round) {
     const NoiseModel noise(t.layout, fit.leftover);
+    const Systems systems = whitened_systems(t, columns, noise);
+    std::array<double, 3> q{};
     if (t.walk.cols() > 0) {
       // The walk is judged on the residual with the fitted walk put back.
-      const Fit bare = fit_with(t, columns, noise, {0.0, 0.0, 0.0});
-      for (int axis = 0; axis < 3; ++axis)
-        q[static_cast<std::size_t>(axis)] = best_walk(t, noise, bare.leftover.col(axis), axis);
+      const Eigen::VectorXd bare = solve_normal(t, columns, noise, systems, q).x;
+      for (int axis = 0; axis < 3; ++axis) {
+        const AxisSystem& a = systems[static_cast<std::size_t>(axis)];
+        Eigen::VectorXd own(a.plain);
+        for (Eigen::Index i = 0; i < a.plain; ++i) own[i] = bare[a.global[static_cast<std::size_t>(i)]];
+        q[static_cast<std::size_t>(axis)] = best_walk(t, noise, a, own, axis);
+      }
     }
-    fit = fit_with(t, columns, noise, q);
+    fit = solve(t, columns, noise, systems, q);
   }
   // The last likelihood belongs to the noise of the last fit but one; by now they agree to a fraction of a nat.
   return fit;

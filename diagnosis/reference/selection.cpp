@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "diagnosis/reference/adequacy.h"
 #include "diagnosis/reference/evidence.h"
+#include "diagnosis/reference/judge.h"
 #include "diagnosis/reference/lines.h"
 #include "diagnosis/reference/refine.h"
 
@@ -11,20 +13,13 @@ namespace stillpoint::diag {
 namespace {
 
 constexpr double kNatsPerCoefficient = 2.0;
-constexpr double kNatsForTheName = 5.0;     // log of the number of laws
-constexpr double kNatsForTheProduct = 1.5;  // there are four times as many products as laws
-constexpr double kNatsForTheWindow = 8.0;   // log of the number of windows
+constexpr double kNatsForTheName = 5.0;    // log of the number of laws
+constexpr double kNatsForTheWindow = 8.0;  // log of the number of windows
 constexpr double kLeastNet = 3.0;
 constexpr double kLeastHeldOut = 1.0;             // nats on data not used for the fit
 constexpr double kLeastShareOfFirst = 0.02;       // the remainder of a large effect must not get a name of its own
 constexpr double kLeastShareBesideUnknown = 0.1;  // a product stands for the true law to that much only
-constexpr double kPlainOffsetNats = 6.0;
-constexpr double kArmsAgree = 0.95;  // three arms of the size effect that agree are one lever arm
-constexpr double kStepInBody = 0.4;  // of a soft step's gain
-constexpr const char* kPlainOffset = "unknown:offset(t)";
-constexpr std::size_t kShortNamed = 6, kShortUnknown = 2, kShortBesideWalk = 3;
-constexpr double kWalkWorthwhile = 2.0;
-constexpr double kWalkFreedom = 8.0;  // what three rates of a random walk and their name are worth
+constexpr std::size_t kShortNamed = 6, kShortUnknown = 3, kShortBesideWalk = 3;
 
 double net_of(const Candidate& c) { return c.gain_nats - charge(static_cast<std::size_t>(c.coefficients), c.window); }
 
@@ -64,43 +59,6 @@ bool responds(const SensorSearch& search) {
   return std::any_of(search.found.begin(), search.found.end(), [](const Found& f) { return is_response(f.id); });
 }
 
-/// Likelihoods over the null, each model with a random walk at a price or without one.
-class Judge {
- public:
-  explicit Judge(const SensorSearch& search) : plain_(search.target), explained_(search.explained()) {
-    plain_.walk.resize(0, 0);
-    beside_walk_ = plain_;
-    beside_walk_.walk = search.walk;
-    null_ = fit_profile(plain_, explained_).log_likelihood;
-    const double with_walk = fit_profile(beside_walk_, explained_).log_likelihood;
-    walking_ = with_walk > null_ + kWalkWorthwhile;
-    null_ = std::max(null_, with_walk - kWalkFreedom);
-  }
-  [[nodiscard]] bool walking() const { return walking_; }
-  [[nodiscard]] const Target& without_walk() const { return plain_; }
-  [[nodiscard]] const Target& beside_walk() const { return beside_walk_; }
-
-  void weigh(Found& f) const {
-    const bool shifted = f.offset.size() > 0;
-    const Columns columns = shifted ? explained_ : joined(explained_, f.columns);
-    const auto likelihood = [&](Target t) {
-      if (shifted) t.residual -= f.offset;
-      return fit_profile(t, columns).log_likelihood;
-    };
-    double best = likelihood(plain_);
-    if (walking_) best = std::max(best, likelihood(beside_walk_) - kWalkFreedom);
-    f.gain_nats = best - null_;
-    f.net_nats = f.gain_nats - charge(f.names.size(), f.window);
-    if (f.kind == Kind::kUnknown) f.net_nats -= kNatsForTheProduct;
-  }
-
- private:
-  Target plain_, beside_walk_;
-  Columns explained_;
-  double null_ = 0.0;
-  bool walking_ = false;
-};
-
 void add_to(SensorSearch& search, Found found) {
   if (found.offset.size()) search.target.residual -= found.offset;
   search.found.push_back(std::move(found));
@@ -115,7 +73,8 @@ std::vector<Candidate> short_list(const SensorSearch& search, const Judge& judge
   if (judge.walking())
     shorten(search, look_at(search, search.laws.size(), Scan(judge.beside_walk(), explained, noise)), kShortBesideWalk,
             0, out);
-  // Whatever is local in time has to stand against a plain offset.
+  if (search.sensor == kMag) return out;
+  // Whatever is local in time has to stand against a plain offset; in the magnetometer that is a law itself.
   const auto is_offset = [&](const Candidate& c) { return search.law(c.law).id == kPlainOffset; };
   const auto is_local = [](const Candidate& c) { return c.window.local; };
   const auto offset = std::find_if(all.begin(), all.end(), is_offset);
@@ -123,36 +82,6 @@ std::vector<Candidate> short_list(const SensorSearch& search, const Judge& judge
       std::none_of(out.begin(), out.end(), is_offset))
     out.push_back(*offset);
   return out;
-}
-
-/// The best that is not beaten by what needs less belief: a name of the catalogue before a product outside of it, a
-/// plain offset before a law that is local in time and explains no more, the lever arm before the size effect that
-/// contains it, a body-fixed step before a soft one where the current that could switch it was not recorded.
-/// `sorted`: by net gain.
-Found* best_explanation(std::vector<Found>& sorted, bool current_recorded) {
-  if (sorted.empty()) return nullptr;
-  Found& best = sorted.front();
-  const auto first = [&](const auto& holds) {
-    const auto at = std::find_if(sorted.begin(), sorted.end(), holds);
-    return at == sorted.end() ? nullptr : &*at;
-  };
-  if (best.kind == Kind::kUnknown) {
-    Found* named = first([](const Found& f) { return f.kind != Kind::kUnknown; });
-    if (named == nullptr || best.net_nats >= named->net_nats + std::max(6.0, 0.05 * named->gain_nats)) return &best;
-    if (!named->window.local || best.id != kPlainOffset) return named;
-    return &best;
-  }
-  if (best.kind == Kind::kNamed && best.window.local) {
-    Found* offset = first([](const Found& f) { return f.id == kPlainOffset; });
-    if (offset != nullptr && offset->net_nats > best.net_nats - kPlainOffsetNats) return offset;
-  }
-  const auto instead = [&](const char* id, double share) -> Found* {
-    Found* other = first([&](const Found& f) { return f.id == id; });
-    return other != nullptr && other->gain_nats > share * best.gain_nats ? other : &best;
-  };
-  if (best.id == "acc_size") return instead("acc_lever", kArmsAgree);
-  if (best.id == "mag_soft_step" && !current_recorded) return instead("mag_hard_step", kStepInBody);
-  return &best;
 }
 
 }  // namespace
@@ -234,15 +163,15 @@ std::optional<Found> next_effect(const Signals& s, SensorSearch& search) {
   for (const Found& f : refined) ranking.push_back({f.id, f.window, f.gain_nats, f.net_nats});
   if (search.found.empty()) search.ranking = ranking;
 
-  Found* best = best_explanation(refined, s.current_A.size() > 0);
+  std::optional<Found> best = best_explanation(refined, s.current_A.size() > 0);
+  if (best) best = adequate(s, search, judge, std::move(*best));
   const double least_share = search.has_unknown() ? kLeastShareBesideUnknown : kLeastShareOfFirst;
-  if (best == nullptr || best->net_nats < kLeastNet || best->gain_nats < least_share * search.first_gain)
-    return std::nullopt;
+  if (!best || best->net_nats < kLeastNet || best->gain_nats < least_share * search.first_gain) return std::nullopt;
   best->rivals = std::move(ranking);
   SensorSearch with = search;
   add_to(with, *best);
   if (held_out(with, {with.found.size() - 1}).gain_nats < kLeastHeldOut) return std::nullopt;
-  return *best;
+  return best;
 }
 
 void accept(SensorSearch& search, Found found) {

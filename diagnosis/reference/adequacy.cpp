@@ -1,0 +1,147 @@
+#include "diagnosis/reference/adequacy.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "diagnosis/reference/columns.h"
+
+namespace stillpoint::diag {
+namespace {
+
+constexpr double kPlainOffsetNats = 6.0;
+constexpr double kArmsAgree = 0.95;  // three arms of the size effect that agree are one lever arm
+constexpr double kStepInBody = 0.4;  // of a soft step's gain
+constexpr const char* kArm = "unknown:dw/dt x r + w x (w x r)";
+constexpr const char* kLinearInTemperature = "unknown:(T-T0)";
+constexpr double kAdequateNats = 3.0, kAdequateShare = 0.02;
+constexpr double kFreeNats = 3.0, kFreeShare = 0.003;
+constexpr int kDegree = 4;  // of a free function: bends once more than any law of the catalogue
+
+/// A law is adequate as long as nothing outside the catalogue explains more than this beyond it: what is outside
+/// contains the forms of the laws as well, so a law that is right is beaten by no more than chance, and by what its
+/// driver is known to.
+double adequate_within(const Found& law) { return std::max(kAdequateNats, kAdequateShare * law.gain_nats); }
+
+/// A law that holds a simpler form in itself has to need the rest of itself; where it does not, the simpler form is
+/// what was seen, whether the catalogue has it or not.
+const char* simpler_form(const std::string& id) {
+  if (id == "acc_size") return kArm;
+  return id.ends_with("_temp_quad") ? kLinearInTemperature : nullptr;
+}
+
+/// The recorded or measured quantity that a law is a function of, times a vector where it has one.
+struct Driver {
+  std::string name;
+  Series3 x;       ///< the argument, per axis
+  Series3 factor;  ///< what the function is multiplied with; empty: nothing
+  bool operator==(const Driver& other) const { return name == other.name; }
+};
+
+std::optional<Driver> driver_of(const Signals& s, Sensor sensor, const std::string& id) {
+  const auto is = [&id](std::initializer_list<const char*> ends) {
+    return std::any_of(ends.begin(), ends.end(), [&id](const char* end) { return id.ends_with(end); });
+  };
+  const auto alike = [](const std::string& name, const Series& x) {
+    return Driver{fmt::format("h({})", name), x.replicate(1, 3), {}};
+  };
+  static constexpr std::array<const char*, kSensors> kVector{"f", "w", "m"};
+  const std::string vector = kVector[sensor];
+  if (is({"_temp_lin", "_temp_quad", "_temp_lag"})) return alike("T-T0", s.temperature_K);
+  if (is({"_temp_scale"})) {
+    Driver d = alike("T-T0", s.temperature_K);
+    d.name += "*" + vector;
+    d.factor = s.vector[sensor];
+    return d;
+  }
+  if (is({"_volt"})) return alike("V-V0", s.voltage_V.array() - s.voltage_V.mean());
+  if (is({"_current"})) return alike("I", s.current_A);
+  if (is({"_quad", "_cubic", "_asym", "_sat"})) return Driver{fmt::format("h({}_i)", vector), s.vector[sensor], {}};
+  return std::nullopt;
+}
+
+/// Legendre polynomials of the driver on its range, each axis with coefficients of its own. The constant, and the line
+/// where it is a wrong matrix, are fitted beside every hypothesis.
+Found free_function(const Driver& d, const Found& law) {
+  Found f;
+  f.id = "unknown:" + d.name;
+  f.kind = Kind::kUnknown;
+  f.window = law.window;
+  f.unit = "see driver";
+  f.equation = "delta = " + d.name + ", h a smooth function of its own for each axis";
+  f.driver = law.driver;
+  for (int axis = 0; axis < 3; ++axis) {
+    const double low = d.x.col(axis).minCoeff(), high = d.x.col(axis).maxCoeff();
+    const Series x = (2.0 * (d.x.col(axis).array() - low) / std::max(high - low, 1e-12) - 1.0).matrix();
+    const Series scale = d.factor.size() ? Series(d.factor.col(axis)) : Series(Series::Ones(x.size()));
+    Series before = Series::Ones(x.size()), p = x;
+    for (int degree = 1; degree <= kDegree; ++degree) {
+      f.names.push_back(fmt::format("h{}_{}", degree, kAxisName[static_cast<std::size_t>(axis)]));
+      f.columns.push_back({axis, p.cwiseProduct(scale)});
+      const Series next =
+          ((2.0 * degree + 1.0) * x.cwiseProduct(p) - static_cast<double>(degree) * before) / (degree + 1.0);
+      before = std::exchange(p, next);
+    }
+  }
+  f.columns = in_window(std::move(f.columns), f.window);
+  f.units.assign(f.names.size(), f.unit);
+  return f;
+}
+
+}  // namespace
+
+std::optional<Found> best_explanation(const std::vector<Found>& sorted, bool current_recorded) {
+  if (sorted.empty()) return std::nullopt;
+  const Found& best = sorted.front();
+  const auto first = [&](const auto& holds) {
+    const auto at = std::find_if(sorted.begin(), sorted.end(), holds);
+    return at == sorted.end() ? nullptr : &*at;
+  };
+  if (best.kind == Kind::kUnknown) {
+    const Found* named = first([](const Found& f) { return f.kind != Kind::kUnknown; });
+    if (named == nullptr || best.net_nats >= named->net_nats + adequate_within(*named)) return best;
+    if (const char* simpler = simpler_form(named->id); simpler != nullptr && best.id == simpler) return best;
+    return named->window.local && best.id == kPlainOffset ? best : *named;
+  }
+  if (best.kind == Kind::kNamed && best.window.local && !best.id.starts_with("mag_")) {
+    const Found* offset = first([](const Found& f) { return f.id == kPlainOffset; });
+    if (offset != nullptr && offset->net_nats > best.net_nats - kPlainOffsetNats) return *offset;
+  }
+  const auto instead = [&](const char* id, double share) {
+    const Found* other = first([&](const Found& f) { return f.id == id; });
+    return other != nullptr && other->gain_nats > share * best.gain_nats ? *other : best;
+  };
+  if (best.id == "acc_size") return instead("acc_lever", kArmsAgree);
+  if (best.id == "mag_soft_step" && !current_recorded) return instead("mag_hard_step", kStepInBody);
+  return best;
+}
+
+Found adequate(const Signals& s, const SensorSearch& search, const Judge& judge, Found law) {
+  if (law.kind != Kind::kNamed || law.shape_name == kTrackerShape) return law;
+  const auto driver = driver_of(s, search.sensor, law.id);
+  if (!driver) return law;
+  Found free = free_function(*driver, law);
+  // One noise for both, that of the freer: beside a law that misses something slow, an autoregression takes the miss
+  // for its own memory.
+  const Target& t = judge.walking() ? judge.beside_walk() : judge.without_walk();
+  const Columns explained = search.explained();
+  const Fit freest = fit_profile(t, joined(explained, free.columns));
+  const NoiseModel noise(t.layout, freest.leftover);
+  const auto net = [&](const Columns& columns) {
+    return fit_with(t, joined(explained, columns), noise, freest.walk_q).log_likelihood - charge(columns.size(), {});
+  };
+  const double of_free = net(free.columns), gain = of_free - net({});
+  const double needed = of_free - std::max(kFreeNats, kFreeShare * gain);
+  if (net(law.columns) >= needed) return law;
+  for (const Law& other : search.laws) {  // two laws of one driver are names, their sum is none
+    if (other.id == law.id || other.shape_name == kTrackerShape || driver_of(s, search.sensor, other.id) != driver)
+      continue;
+    for (const double shape : other.shapes)
+      if (net(joined(law.columns, in_window(other.columns(shape), law.window))) >= needed) return law;
+  }
+  judge.weigh(free);
+  free.rivals = std::move(law.rivals);
+  return free;
+}
+
+}  // namespace stillpoint::diag

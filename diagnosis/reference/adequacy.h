@@ -1,0 +1,20 @@
+/// Which explanation is stated: the one that needs least belief among those that explain as much, and a law by its name
+/// only while nothing freer on the same driver explains more (docs/decisions/044-adequacy-of-a-law.md).
+#pragma once
+#include "diagnosis/reference/judge.h"
+
+namespace stillpoint::diag {
+
+inline constexpr const char* kPlainOffset = "unknown:offset(t)";
+
+/// The best that is not beaten by what needs less belief: a name of the catalogue before a product of drivers that is
+/// no better, a plain offset before a law that is local in time and explains no more, the lever arm before the size
+/// effect that contains it, a body-fixed step before a soft one where the current that could switch it was not
+/// recorded. `sorted`: by net gain. None when there is none.
+[[nodiscard]] std::optional<Found> best_explanation(const std::vector<Found>& sorted, bool current_recorded);
+
+/// `law`, or the free function of its driver that explains more than it does, and more than it does together with any
+/// other law of the library on that driver. Such a function is answered as unknown, with its driver.
+[[nodiscard]] Found adequate(const Signals& s, const SensorSearch& search, const Judge& judge, Found law);
+
+}  // namespace stillpoint::diag

@@ -1,0 +1,38 @@
+#include "diagnosis/reference/judge.h"
+
+#include <algorithm>
+
+namespace stillpoint::diag {
+namespace {
+
+constexpr double kWalkWorthwhile = 2.0;
+constexpr double kWalkFreedom = 8.0;        // what three rates of a random walk and their name are worth
+constexpr double kNatsForTheProduct = 1.5;  // there are four times as many products as laws
+
+}  // namespace
+
+Judge::Judge(const SensorSearch& search) : plain_(search.target), explained_(search.explained()) {
+  plain_.walk.resize(0, 0);
+  beside_walk_ = plain_;
+  beside_walk_.walk = search.walk;
+  null_ = fit_profile(plain_, explained_).log_likelihood;
+  const double with_walk = fit_profile(beside_walk_, explained_).log_likelihood;
+  walking_ = with_walk > null_ + kWalkWorthwhile;
+  null_ = std::max(null_, with_walk - kWalkFreedom);
+}
+
+void Judge::weigh(Found& f) const {
+  const bool shifted = f.offset.size() > 0;
+  const Columns columns = shifted ? explained_ : joined(explained_, f.columns);
+  const auto likelihood = [&](Target t) {
+    if (shifted) t.residual -= f.offset;
+    return fit_profile(t, columns).log_likelihood;
+  };
+  double best = likelihood(plain_);
+  if (walking_) best = std::max(best, likelihood(beside_walk_) - kWalkFreedom);
+  f.gain_nats = best - null_;
+  f.net_nats = f.gain_nats - charge(f.names.size(), f.window);
+  if (f.kind == Kind::kUnknown) f.net_nats -= kNatsForTheProduct;
+}
+
+}  // namespace stillpoint::diag

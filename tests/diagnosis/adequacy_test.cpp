@@ -1,0 +1,70 @@
+// A law is stated by its name only while nothing freer on the same driver explains more: laws taken out of the library,
+// and laws that no library has.
+#include <gmock/gmock.h>
+
+#include <cmath>
+
+#include "tests/diagnosis/simulated.h"
+
+namespace stillpoint::diag {
+namespace {
+
+using test::baseline;
+using test::names;
+using test::record;
+
+sim::SimulationConfig warm(const std::string& reference) {
+  auto config = baseline(reference, 60.0);
+  config.environment.temperature = {.kind = "warm_up", .rise_K = 10.0, .tau_s = 40.0};
+  config.environment.current.kind = "steps";
+  return config;
+}
+
+struct Deleted {
+  const char *id, *key;
+  std::vector<double> values;
+};
+class LawDeleted : public testing::TestWithParam<Deleted> {};
+INSTANTIATE_TEST_SUITE_P(Adequacy, LawDeleted,
+                         testing::Values(Deleted{"gyr_temp_lin", "k_radps_per_K", {3e-4, -2e-4, 1e-4}},
+                                         Deleted{"acc_lever", "r_m", {0.02, -0.015, 0.01}},
+                                         Deleted{"acc_cubic", "k3_per_mps2_2", {2e-5, -2e-5, 1e-5}},
+                                         Deleted{"mag_field_step", "b_world_uT", {1.0, -0.7, 0.5}},
+                                         Deleted{"mag_current", "k_uT_per_A", {0.5, -0.4, 0.3}}));
+
+TEST_P(LawDeleted, IsAnsweredAsUnknownAndNotByItsNeighbour) {
+  const Deleted& law = GetParam();
+  const auto config = warm("exact");
+  test::Parameters parameters{{law.key, law.values}};
+  if (std::string(law.id) == "mag_field_step") parameters["t0_s"] = {25.0};
+  const auto recording = record(config, law.id, parameters, 21);
+  EXPECT_THAT(names(diagnose(recording, config)), testing::ElementsAre(law.id));
+  const auto without = names(diagnose(recording, config, {law.id}));
+  ASSERT_FALSE(without.empty());
+  EXPECT_THAT(without, testing::Each(testing::StartsWith("unknown:")));
+}
+
+class LawAdequate : public testing::TestWithParam<std::string> {};
+INSTANTIATE_TEST_SUITE_P(Adequacy, LawAdequate, testing::Values("exact", "mocap"));
+
+TEST_P(LawAdequate, ALawThatBendsWhereTheCatalogueIsStraightIsAFreeFunctionOfItsDriver) {
+  const auto config = warm(GetParam());
+  auto recording = record(config, "", {}, 22);
+  for (std::size_t i = 0; i < recording.size(); ++i)
+    recording.mag_uT[i] += std::sqrt(std::abs(recording.current_A[i])) * Vec3(1.0, -0.7, 0.4);
+  const Answer answer = diagnose(recording, config);
+  ASSERT_FALSE(answer.diagnosis.findings.empty());
+  EXPECT_EQ(answer.diagnosis.findings[0].effect, "unknown:h(I)");
+  EXPECT_THAT(answer.diagnosis.findings[0].driver, testing::HasSubstr("current"));
+}
+
+TEST_P(LawAdequate, TwoLawsOfOneDriverKeepTheirNames) {
+  auto config = warm(GetParam());
+  config.effects.push_back({.id = "acc_asym", .parameters = {{"k", {4e-3, -4e-3, 4e-3}}}, .axes = {}, .window_s = {}});
+  const auto recording = record(config, "acc_cubic", {{"k3_per_mps2_2", {5e-5, -5e-5, 5e-5}}}, 23);
+  config.effects.clear();
+  EXPECT_THAT(names(diagnose(recording, config)), testing::UnorderedElementsAre("acc_asym", "acc_cubic"));
+}
+
+}  // namespace
+}  // namespace stillpoint::diag
