@@ -20,8 +20,11 @@ constexpr int kDegree = 4;  // of a free function: bends once more than any law 
 
 /// A law is adequate as long as nothing outside the catalogue explains more than this beyond it: what is outside
 /// contains the forms of the laws as well, so a law that is right is beaten by no more than chance, and by what its
-/// driver is known to.
-double adequate_within(const Found& law) { return std::max(kAdequateNats, kAdequateShare * law.gain_nats); }
+/// driver is known to. In a window, where its best edges are found for every form anew, chance does more.
+double adequate_within(const Found& law) {
+  const double twice = law.window.local ? 2.0 : 1.0;
+  return std::max(twice * kAdequateNats, twice * kAdequateShare * law.gain_nats);
+}
 
 /// A law that holds a simpler form in itself has to need the rest of itself; where it does not, the simpler form is
 /// what was seen, whether the catalogue has it or not.

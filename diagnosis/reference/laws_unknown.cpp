@@ -59,7 +59,8 @@ class Products {
           add(fmt::format("{}*{}", component(v, j), scalars[a].name),
               [v, a, j](const Drivers& d) -> Series { return d.scalars[a].x.cwiseProduct(d.vectors[v].x.col(j)); });
       }
-      if (v == static_cast<std::size_t>(sensor_)) continue;  // a linear map of its own vector is a wrong matrix
+      // A linear map of its own vector is a wrong matrix; one of the force goes into the gyroscope as a whole, below.
+      if (v == static_cast<std::size_t>(sensor_) || (sensor_ == kGyr && v == kAcc)) continue;
       add_vector(vectors[v].name, [v](const Drivers& d) { return d.vectors[v].x; });
       for (int j = 0; j < 3; ++j)
         add(component(v, j), [v, j](const Drivers& d) -> Series { return d.vectors[v].x.col(j); });
