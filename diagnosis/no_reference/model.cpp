@@ -17,9 +17,6 @@ constexpr double kLeastClosure_rad = 1e-4;
 constexpr double kMatrixPrior = 0.05, kGyroOffsetPrior = 0.05, kAccOffsetPrior = 0.5, kMagOffsetPrior = 10.0,
                  kFieldPrior_uT = 8.0, kAttitudePrior_rad = 0.5;
 
-// Layout of the nuisances: three blocks of 9 + 3 (gyr, acc, mag), the field, then three per knot.
-constexpr long kGyroAt = 0, kAccAt = 12, kMagAt = 24, kFieldAt = 36, kKnotsAt = 39;
-
 Vec3 corrected(const Eigen::VectorXd& x, long at, const Vec3& u) {
   Vec3 d = x.segment<3>(at + 9);
   for (int i = 0; i < 3; ++i) d[i] += x.segment<3>(at + 3 * i).dot(u);
@@ -52,6 +49,7 @@ SelfConsistency::SelfConsistency(const io::Recording& recording, const sim::Simu
   if (knots_.empty()) knots_.push_back(0);
   first_attitude_ = first_attitude();
   x_ = Eigen::VectorXd::Zero(kKnotsAt + 3 * static_cast<long>(knots_.size()));
+  x_.segment<3>(kGyroAt + 9) = offset_at_rest();
   prior_sd_ = Eigen::VectorXd::Constant(x_.size(), kMatrixPrior);
   prior_sd_.segment<3>(kGyroAt + 9).setConstant(kGyroOffsetPrior);
   prior_sd_.segment<3>(kAccAt + 9).setConstant(kAccOffsetPrior);
@@ -71,25 +69,6 @@ void SelfConsistency::expect_closure() {
         std::hypot(walk * std::sqrt(span_s), integration_error_rad(recording_, rate_, knots_[k - 1], knots_[k]));
     prior_sd_.segment<3>(kKnotsAt + 3 * static_cast<long>(k)).setConstant(sd + kLeastClosure_rad);
   }
-}
-
-/// Up from the first rest, heading from its field. Found once: it is the datum of the attitude knots.
-Quat SelfConsistency::first_attitude() const {
-  const auto& first = rest_.front();
-  Vec3 up = Vec3::Zero(), field = Vec3::Zero();
-  const auto& acc = *simulation_.accelerometer;
-  for (std::size_t i = first.first; i <= first.last; ++i) {
-    if (recording_.acc_mps2[i].allFinite()) up += acc.matrix * (recording_.acc_mps2[i] - acc.bias);
-    if (!mag_rows_.empty() && recording_.mag_uT[i].allFinite())
-      field += simulation_.magnetometer->matrix * (recording_.mag_uT[i] - simulation_.magnetometer->bias);
-  }
-  up.normalize();
-  Mat3 body, world;
-  Vec3 across = up.cross(field), across_world = Vec3::UnitZ().cross(field_world_);
-  if (across.norm() < 1e-6 || across_world.norm() < 1e-6) across = up.unitOrthogonal(), across_world = Vec3::UnitX();
-  body << up, across.normalized(), up.cross(across.normalized());
-  world << Vec3::UnitZ(), across_world.normalized(), Vec3::UnitZ().cross(across_world.normalized());
-  return Quat(world * body.transpose());
 }
 
 /// Rates, forces and attitude of every row from the nuisances as they stand.

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "diagnosis/forensics/forensics.h"
+#include "diagnosis/result.h"
 #include "io/recording.h"
 #include "simulation/config.h"
 
@@ -40,6 +41,9 @@ struct HeldOutGain {
   int blocks_better = 0, blocks = 0;
 };
 
+/// Layout of the nuisances: three blocks of 9 (rows of the matrix) + 3 (gyr, acc, mag), the field, then three per knot.
+inline constexpr long kGyroAt = 0, kAccAt = 12, kMagAt = 24, kFieldAt = 36, kKnotsAt = 39;
+
 class SelfConsistency {
  public:
   SelfConsistency(const io::Recording& recording, const sim::SimulationConfig& simulation, const Forensics& raw,
@@ -58,6 +62,13 @@ class SelfConsistency {
                const std::vector<LawColumn>& law, const Eigen::VectorXd& value);
   /// Takes a fitted law into the nuisances, so that the next one is sought beside it.
   void accept(const std::vector<LawColumn>& law);
+
+  /// The nuisances as they stand, and a return to where they once stood, which the next settling starts from.
+  [[nodiscard]] const Eigen::VectorXd& nuisances() const { return x_; }
+  void start_from(const Eigen::VectorXd& nuisances) { x_ = nuisances; }
+
+  /// Offsets and matrices of the simulation that the nuisances contradict.
+  [[nodiscard]] std::vector<ConfigurationFault> wrong_numbers() const;
 
   /// Residual of the sensor's rows (field or rate at rest) and what `law` predicts of it, for rms and figures.
   struct Series {
@@ -88,6 +99,7 @@ class SelfConsistency {
     std::size_t first, last;  ///< rows, inclusive
   };
   void take_out(const std::vector<LawColumn>& law, const Eigen::VectorXd& value);
+  [[nodiscard]] Vec3 offset_at_rest() const;
   [[nodiscard]] Quat first_attitude() const;
   void integrate();
   void predict();

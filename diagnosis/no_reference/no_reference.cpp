@@ -22,10 +22,11 @@ using detail::WitnessedLaw;
 
 constexpr std::size_t kLeastRests = 3;
 constexpr int kMostFindings = 3;
-constexpr double kLeastOfFirst = 0.02;  // smaller gains are the second order of the first finding
-constexpr double kDriftOverLaw = 1.15;  // a free offset per rest must beat a law by this to take its place
-constexpr double kLeastShare = 0.5;     // a law that removes less of what is not noise is not the cause
-constexpr double kDispersion = 1.5;     // mean square of whitened residuals above which something is left unexplained
+constexpr double kCoarseOverNoise = 2.0;  // below, the noise carries the readings over the steps: rounding is white
+constexpr double kLeastOfFirst = 0.02;    // smaller gains are the second order of the first finding
+constexpr double kDriftOverLaw = 1.15;    // a free offset per rest must beat a law by this to take its place
+constexpr double kLeastShare = 0.5;       // a law that removes less of what is not noise is not the cause
+constexpr double kDispersion = 1.5;       // mean square of whitened residuals above which something is left unexplained
 constexpr std::size_t kMostTried = 6;
 constexpr double kForceMisfit = 1.6;  // whitened rms of the accelerometer's rests above this is more than noise
 
@@ -44,6 +45,14 @@ void conclude(const SelfConsistency& model, const Forensics& raw, Diagnosis& d) 
     d.summary = fmt::format(
         "Missing physics: {}; found from rests and from gyroscope against magnetometer, without a reference.",
         fmt::join(parts, "; "));
+    if (!unknown && model.dispersion() > kDispersion) {
+      d.verdict = Verdict::kPartlyExplained;
+      d.summary += fmt::format(
+          " Beyond it gyroscope and rests disagree by {:.1f} times their noise, by no law of the library or by a "
+          "matrix "
+          "too wrong to start from.",
+          std::sqrt(model.dispersion()));
+    }
   } else if (model.dispersion() > kDispersion) {
     d.verdict = Verdict::kUnexplained;
     d.summary = fmt::format(
@@ -70,7 +79,8 @@ void conclude(const SelfConsistency& model, const Forensics& raw, Diagnosis& d) 
 std::string what_is_missing(const io::Recording& recording, const sim::SimulationConfig& simulation,
                             const Forensics& raw, std::size_t rests) {
   const auto* gyro = triad(simulation, kGyr);
-  const bool coarse = gyro && raw.sensor[kGyr].quantised && raw.sensor[kGyr].lattice_step.maxCoeff() > gyro->noise_sd;
+  const bool coarse = gyro && raw.sensor[kGyr].quantised &&
+                      raw.sensor[kGyr].lattice_step.maxCoeff() > kCoarseOverNoise * gyro->noise_sd;
   if (raw.sensor[kGyr].saturated || coarse)
     return "the gyroscope's raw values are spoiled, and without a reference everything else is judged by it; repair "
            "that first";
@@ -190,6 +200,13 @@ Diagnosis diagnose_without_reference(const io::Recording& recording, const sim::
   const Forensics raw = examine_raw_values(recording, simulation);
   if (detail::lies_still(recording)) {
     d = detail::diagnose_still(recording, simulation, without);
+    if (d.findings.empty() && !raw.findings.empty()) {
+      d.verdict = Verdict::kExplained;
+      d.summary = fmt::format(
+          "Found {} in the raw values; beyond it no mismatch in what a recording at rest in one "
+          "attitude can show.",
+          raw.findings.front().effect);
+    }
     d.findings.insert(d.findings.end(), raw.findings.begin(), raw.findings.end());
     d.notices.insert(d.notices.end(), raw.notices.begin(), raw.notices.end());
     return d;
@@ -215,6 +232,7 @@ Diagnosis diagnose_without_reference(const io::Recording& recording, const sim::
   search(model, simulation, without, d);
   std::sort(d.ranking.begin(), d.ranking.end(), [](const auto& a, const auto& b) { return a.gain_nats > b.gain_nats; });
   detail::fill_channels(*model, before, d);
+  if (model->dispersion() < kDispersion) d.configuration = model->wrong_numbers();  // a bent attitude bends them too
   conclude(*model, raw, d);
   return d;
 }

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "diagnosis/no_reference/model.h"
@@ -8,7 +9,8 @@ namespace {
 
 constexpr double kCell_s = 0.25;
 constexpr double kLeastRest_s = 1.0;
-constexpr double kLargestOffset_radps = 0.06;  // a mean rate above this is a slow turn, not an offset
+constexpr double kOffsetSpread_radps = 0.06;   // a mean rate this far from the offset is a slow turn
+constexpr double kLargestOffset_radps = 0.35;  // 20 deg/s: no gyroscope is sold with more
 
 struct Scatter {
   Vec3 mean = Vec3::Zero();
@@ -35,6 +37,19 @@ double quantile(std::vector<double> v, double q) {
   return *at;
 }
 
+/// What the gyro reads when still: the median over the cells as quiet as the quietest. The configured offset may be
+/// wrong by more than a slow turn.
+Vec3 offset_of(const std::vector<Scatter>& rate, const std::vector<Scatter>& force, double rate_limit,
+               double force_limit, const Vec3& configured) {
+  std::array<std::vector<double>, 3> means;
+  for (std::size_t c = 0; c < rate.size(); ++c)
+    for (std::size_t k = 0; k < 3 && rate[c].sd <= rate_limit && force[c].sd <= force_limit; ++k)
+      means[k].push_back(rate[c].mean[static_cast<long>(k)]);
+  if (means[0].empty()) return configured;
+  const Vec3 offset(quantile(means[0], 0.5), quantile(means[1], 0.5), quantile(means[2], 0.5));
+  return (offset - configured).norm() < kLargestOffset_radps ? offset : configured;
+}
+
 }  // namespace
 
 std::vector<RestWindow> find_rest(const io::Recording& r, const sim::SimulationConfig& simulation) {
@@ -53,11 +68,12 @@ std::vector<RestWindow> find_rest(const io::Recording& r, const sim::SimulationC
   const double rate_limit = std::max(2.5 * quantile(rate_sd, 0.1), 4.0 * gyro->noise_sd);
   const auto* acc = triad(simulation, kAcc);
   const double force_limit = std::max(2.5 * quantile(force_sd, 0.1), acc ? 4.0 * acc->noise_sd : 0.0);
+  const Vec3 offset = offset_of(rate, force, rate_limit, force_limit + 1e-12, gyro->bias);
   std::vector<RestWindow> rest;
   std::size_t run = 0;
   for (std::size_t c = 0; c <= rate.size(); ++c) {
     const bool quiet = c < rate.size() && rate[c].sd <= rate_limit && force[c].sd <= force_limit + 1e-12 &&
-                       (rate[c].mean - gyro->bias).norm() < kLargestOffset_radps;
+                       (rate[c].mean - offset).norm() < kOffsetSpread_radps;
     if (quiet) {
       ++run;
       continue;

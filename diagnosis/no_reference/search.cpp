@@ -103,13 +103,21 @@ std::vector<Candidate> rank(const SelfConsistency& model, const std::vector<Witn
 
 void relinearise(SelfConsistency& model, Candidate& c) {
   constexpr int kMostPasses = 8;  // each time all of it anew: the driver (corrected force or rate) moves too
+  constexpr double kLeastStep = 1.0 / 16.0;
   std::vector<LawColumn> taken;
   c.applied = Eigen::VectorXd::Zero(c.fit.value.size());
   for (int pass = 0; pass < kMostPasses; ++pass) {
-    std::vector<LawColumn> columns = c.law->columns(c.grid_value);
-    model.replace(taken, c.applied, columns, c.fit.value);
-    taken = std::move(columns);
-    c.applied = c.fit.value;
+    const Eigen::VectorXd from = c.applied, nuisances = model.nuisances();
+    const double misfit = model.misfit_nats();
+    for (double step = 1.0; step >= kLeastStep; step *= 0.5) {  // a whole step may bend the attitude out of reach
+      if (step < 1.0) model.start_from(nuisances);
+      std::vector<LawColumn> columns = c.law->columns(c.grid_value);
+      const Eigen::VectorXd value = from + step * (c.fit.value - from);
+      model.replace(taken, c.applied, columns, value);
+      taken = std::move(columns);
+      c.applied = value;
+      if (model.misfit_nats() < misfit + kAbstain_nats) break;
+    }
     c.fit = model.fit(c.law->columns(c.grid_value), c.applied);
     if ((c.fit.value - c.applied).cwiseAbs().cwiseQuotient(c.fit.sd).maxCoeff() < 0.1) break;
   }

@@ -116,6 +116,9 @@ Finding finding_from(const Signals& s, const SensorSearch& search, std::size_t i
                                   (f.window.local ? 500.0 : 1.0));
   // A current nearby that was not recorded does what a piece of iron does.
   if (f.id == "mag_hard_step" && !s.current_A.size()) out.equivalent.emplace_back("mag_current");
+  // Of a resonance above the band in which bodies move only the flank is seen: the sensor gains what a camera loses.
+  if (f.id.ends_with("_resonance") && !s.exact_reference && f.timing.size() > 0 && f.timing[0] > kMotionBand_Hz)
+    out.equivalent.emplace_back("ref_error");
   rivals_of(f, out);
   out.figures = curves_of(s, search, index, finished);
   out.decided_by = deciding_recording(out);

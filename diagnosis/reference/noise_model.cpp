@@ -7,8 +7,9 @@
 namespace stillpoint::diag {
 namespace {
 
-constexpr double kFewestRegime_s = 8.0;     // less than this of one regime gives no autoregression of its own
-constexpr double kMutedForNoMemory = 0.25;  // with more holes than this, no filter of 16 samples fits between them
+constexpr double kFewestRegime_s = 8.0;  // less than this of one regime gives no autoregression of its own
+constexpr double kLeastCounted =
+    0.5;  // of the valid samples: where no filter of 16 fits between the holes, none is used
 
 /// Levinson-Durbin on autocorrelations of lag 0..order. Returns the prediction coefficients.
 Eigen::VectorXd levinson(const Eigen::VectorXd& r) {
@@ -42,7 +43,6 @@ Layout make_layout(const Signals& s, Sensor sensor) {
   const bool split =
       !s.exact_reference && static_cast<double>(resting) > fewest && static_cast<double>(s.n - resting) > fewest;
   layout.regimes = split ? 2 : 1;
-  if (layout.present.mean() < 1.0 - kMutedForNoMemory) layout.order = 0;
   layout.counts = layout.present;
   const auto regime_of = [&](Eigen::Index i) { return split && s.rest[static_cast<std::size_t>(i)] ? 1 : 0; };
   Eigen::Index since_break = 0;
@@ -56,6 +56,7 @@ Layout make_layout(const Signals& s, Sensor sensor) {
     if (since_break < layout.order) layout.counts[i] = 0.0;
     ++since_break;
   }
+  if (layout.used() < kLeastCounted * layout.present.sum()) layout.order = 0, layout.counts = layout.present;
   return layout;
 }
 

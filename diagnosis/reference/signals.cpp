@@ -13,7 +13,6 @@
 namespace stillpoint::diag {
 namespace {
 
-constexpr double kMotionBand_Hz = 20.0;    // hands, limbs and vehicles move below this, tremor included
 constexpr double kExactJitter_rad = 2e-6;  // a reference quieter than this is arithmetic, not a camera
 constexpr double kMotionOverNoise =
     60.0;  // power; the noise in a driver then costs a candidate less than it costs to be named

@@ -16,6 +16,7 @@
 namespace stillpoint::diag {
 
 inline constexpr int kSensors = 3;
+inline constexpr double kMotionBand_Hz = 20.0;  ///< hands, limbs and vehicles move below this, tremor included
 inline constexpr std::array<const char*, 3> kAxisName{"x", "y", "z"};
 
 /// Everything that a hypothesis may use. Sensor frame unless said otherwise.
