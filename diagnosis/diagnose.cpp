@@ -12,6 +12,7 @@
 #include "diagnosis/reference/given_effects.h"
 #include "diagnosis/sanity/sanity.h"
 #include "diagnosis/summary.h"
+#include "diagnosis/trajectory/trajectory.h"
 
 namespace stillpoint::diag {
 namespace {
@@ -115,8 +116,11 @@ Answer diagnose(const io::Recording& recording, const sim::SimulationConfig& giv
   if (sanity.unusable[kAcc]) simulation.accelerometer.reset();
   if (sanity.unusable[kGyr]) simulation.gyroscope.reset();
   if (sanity.unusable[kMag]) simulation.magnetometer.reset();
+  const auto learnt = examine(calibrate_along(recording, simulation), !recording.temp_degC.empty());
+  answer.diagnosis.notices.insert(answer.diagnosis.notices.end(), learnt.begin(), learnt.end());
   if (recording.ref_q_world_body.empty() || sanity.reference_unusable) {
     answer.diagnosis = diagnose_without_reference(recording, simulation, without);
+    answer.diagnosis.notices.insert(answer.diagnosis.notices.end(), learnt.begin(), learnt.end());
     answer.diagnosis.notices.insert(answer.diagnosis.notices.begin(), sanity.notices.begin(), sanity.notices.end());
     answer.effects = forensics.effects;
     for (const Finding& f : answer.diagnosis.findings)

@@ -10,7 +10,7 @@
 namespace stillpoint::diag::detail {
 namespace {
 
-constexpr double kCell_s = 0.5, kMargin_s = 0.5, kBridge_s = 2.0, kLeast_s = 1.0;
+constexpr double kCell_s = 0.5, kMargin_s = 0.5, kBridge_s = 2.0, kTurn_s = 20.0, kLeast_s = 1.0;
 constexpr double kSameTilt_rad = 0.1;
 constexpr std::size_t kLeastAlike = 12;  // cells in the same tilt, to know what is usual there
 constexpr double kOverUsual = 6.0;       // of a cell's departure, in the usual one
@@ -78,12 +78,15 @@ std::vector<Interval> disturbed(const io::Recording& r, const std::vector<Cell>&
   for (const Cell& c : cells) all.push_back(c.departure_uT);
   const double limit = std::max(kLeast_uT, kOverUsual * median(all));
   std::vector<Interval> found;
+  bool was = false;  // the rest before is disturbed too: one disturbance, during which the body was turned
   for (const Cell& c : cells) {
-    if (c.departure_uT < limit) continue;
-    if (!found.empty() && r.t_s(c.first) - found.back().end_s < kBridge_s)
+    const bool is = c.departure_uT >= limit;
+    was = was && !found.empty() && found.back().end_s - found.back().begin_s >= kLeast_s;
+    if (is && !found.empty() && r.t_s(c.first) - found.back().end_s < (was ? kTurn_s : kBridge_s))
       found.back().end_s = r.t_s(c.last);
-    else
+    else if (is)
       found.push_back({r.t_s(c.first), r.t_s(c.last)});
+    was = is;
   }
   std::erase_if(found, [](const Interval& i) { return i.end_s - i.begin_s < kLeast_s; });
   return found;
