@@ -25,42 +25,58 @@ constexpr int moment_index(int a, int b, int c) noexcept {
   return kMomentIndex[static_cast<std::size_t>(a)][static_cast<std::size_t>(b)][static_cast<std::size_t>(c)];
 }
 
-template <class T>
-class BasicMoments {
+class Moments {
  public:
   static constexpr int kCount = 35;
-  using Mat10 = Eigen::Matrix<T, 10, 10>;
+  using Mat10 = Eigen::Matrix<double, 10, 10>;
 
   /// w x^a y^b z^c to every sum.
-  void add(const Eigen::Matrix<T, 3, 1>& x, T weight = T(1)) noexcept;
+  void add(const Vec3& x, double weight = 1.0) noexcept;
   /// The same, each monomial replaced by the one whose mean over noise of covariance C is the noise-free monomial (M4).
-  void add_adjusted(const Eigen::Matrix<T, 3, 1>& x, const Eigen::Matrix<T, 3, 3>& C, T weight = T(1)) noexcept;
-  void merge(const BasicMoments& other) noexcept;
-  void remove(const BasicMoments& other) noexcept;
-  void forget(T keep) noexcept;  ///< multiplies every sum
+  void add_adjusted(const Vec3& x, const Mat3& C, double weight = 1.0) noexcept;
+  void merge(const Moments& other) noexcept;
+  void remove(const Moments& other) noexcept;
+  void forget(double keep) noexcept;  ///< multiplies every sum
 
   /// Sums of x - d; exact (M2).
-  [[nodiscard]] BasicMoments translated(const Eigen::Matrix<T, 3, 1>& d) const noexcept;
+  [[nodiscard]] Moments translated(const Vec3& d) const noexcept;
   /// Sums of x / s, each axis by its own; exact (M3).
-  [[nodiscard]] BasicMoments scaled(const Eigen::Matrix<T, 3, 1>& s) const noexcept;
+  [[nodiscard]] Moments scaled(const Vec3& s) const noexcept;
   /// All sums adjusted for one noise covariance (M4). Linear, so it may be done at the end.
-  [[nodiscard]] BasicMoments adjusted(const Eigen::Matrix<T, 3, 3>& C) const noexcept;
+  [[nodiscard]] Moments adjusted(const Mat3& C) const noexcept;
 
-  [[nodiscard]] T at(int a, int b, int c) const noexcept { return m_[static_cast<std::size_t>(moment_index(a, b, c))]; }
-  [[nodiscard]] T weight() const noexcept { return m_[0]; }
+  [[nodiscard]] double at(int a, int b, int c) const noexcept {
+    return m_[static_cast<std::size_t>(moment_index(a, b, c))];
+  }
+  [[nodiscard]] double weight() const noexcept { return m_[0]; }
   /// P = sum d d^T with d = (x^2, y^2, z^2, xy, xz, yz, x, y, z, 1) (M6).
   [[nodiscard]] Mat10 normal_matrix() const noexcept;
-  [[nodiscard]] const std::array<T, kCount>& sums() const noexcept { return m_; }
+  [[nodiscard]] const std::array<double, kCount>& sums() const noexcept { return m_; }
+  [[nodiscard]] static Moments of(const std::array<double, kCount>& sums) noexcept {
+    Moments out;
+    out.m_ = sums;
+    return out;
+  }
 
  private:
-  std::array<T, kCount> m_{};
+  std::array<double, kCount> m_{};
 };
 
-using Moments = BasicMoments<double>;
 static_assert(sizeof(Moments) == 280 && std::is_trivially_copyable_v<Moments>);
 static_assert(sizeof(Moments) <= 824, "the footprint of Gietzelt's implementation on the sensor node, section 4");
 
-extern template class BasicMoments<double>;
-extern template class BasicMoments<float>;
+/// The running sums for a processor without doubles: each in single precision with what its roundings took (Kahan's
+/// sum as Neumaier corrected it), 280 bytes. Good to 1e-5 counts where readings are centred and scaled (M5); a plain
+/// single-precision sum is good to 2e-3. Fits are done on `widened()`.
+class CompensatedMoments {
+ public:
+  void add(const Eigen::Vector3f& x, float weight = 1.0F) noexcept;
+  void forget(float keep) noexcept;
+  [[nodiscard]] Moments widened() const noexcept;
+
+ private:
+  std::array<float, Moments::kCount> sum_{}, lost_{};
+};
+static_assert(sizeof(CompensatedMoments) == 280 && std::is_trivially_copyable_v<CompensatedMoments>);
 
 }  // namespace stillpoint::calib
