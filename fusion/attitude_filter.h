@@ -1,5 +1,5 @@
 /// Attitude by an error-state Kalman filter around a quaternion: 9D with a magnetometer, 6D without.
-/// Equations (A1)...(A14) and what they are taken from: docs/math/attitude.md.
+/// Equations (A1)...(A17) and what they are taken from: docs/math/attitude.md.
 /// The form after Sola, "Quaternion kinematics for the error-state Kalman filter" (2017), sections 5 and 7 (error in
 /// the world frame); acceleration seen through bounded motion, in a gyro-fixed frame, after the idea of Laidig and
 /// Seel, "VQF: Highly accurate IMU orientation estimation with bias estimation and magnetic disturbance rejection"
@@ -14,6 +14,7 @@
 #include "fusion/error_state.h"
 #include "fusion/field_reference.h"
 #include "fusion/hard_iron.h"
+#include "fusion/motion_scale.h"
 
 namespace stillpoint::fusion {
 
@@ -64,7 +65,7 @@ struct AttitudeFilterParams {
               "accelerometer bias that the calibration may have left at the start"),
         field("acc_bias_walk_mps2_rtHz", &P::acc_bias_walk_mps2_rtHz, in_range(0.0, 1.0), "random walk of that bias"),
         field("motion_speed_mps", &P::motion_speed_mps, in_range(1e-3, 1e4),
-              "typical speed about the mean position: hand motion 0.5, vehicle 20; large: tilt leans on the gyroscope"),
+              "typical speed about the mean position, of a hand 0.5; a body that is faster is found out"),
         field("motion_radius_m", &P::motion_radius_m, in_range(1e-3, 1e6), "typical distance from the mean position"),
         field("motion_time_s", &P::motion_time_s, in_range(1e-2, 1e4), "time after which the motion is another one"),
         field("rest_speed_mps", &P::rest_speed_mps, in_range(1e-5, 1.0), "speed that is still called rest"),
@@ -145,6 +146,7 @@ class AttitudeFilter {
     ErrorState error;
     FieldReference field;
     HardIron hard_iron;
+    MotionScale motion_scale;
     Sums sums;
     std::int64_t t_ns = 0;
     Array3 rate_radps{};     ///< last corrected rate, for bridging

@@ -16,14 +16,21 @@ constexpr double kKnownTilt_rad = 0.05;
 }  // namespace
 
 void AttitudeFilter::measure_motion(double time_s) noexcept {
+  const auto& P = s_.error.P();
+  s_.motion_scale.observe({s_.x.velocity_mps[0], s_.x.velocity_mps[1]},
+                          {P(kVelocity, kVelocity), P(kVelocity + 1, kVelocity + 1)}, params_.motion_speed_mps,
+                          params_.motion_time_s, time_s);
   // (A8) A quantity that wanders about zero with deviation s and correlation time t has the power density 2 s^2 t.
   const double per_time = 2.0 * params_.motion_time_s / time_s;
   const double speed2 = params_.motion_speed_mps * params_.motion_speed_mps * per_time;
   const double radius2 = params_.motion_radius_m * params_.motion_radius_m * per_time;
+  const double speed_scale = s_.motion_scale.speed2() * s_.motion_scale.time();
+  const double radius_scale = s_.motion_scale.radius2() * s_.motion_scale.time();
   for (int i = 0; i < 3; ++i) {
     const auto at = static_cast<std::size_t>(i);
-    s_.error.update(kVelocity + i, -s_.x.velocity_mps[at], speed2);
-    s_.error.update(kPosition + i, -s_.x.position_m[at], radius2);
+    const bool level = i < 2;  // up and down nothing tilts
+    s_.error.update(kVelocity + i, -s_.x.velocity_mps[at], level ? speed_scale * speed2 : speed2);
+    s_.error.update(kPosition + i, -s_.x.position_m[at], level ? radius_scale * radius2 : radius2);
   }
 }
 
@@ -34,7 +41,7 @@ void AttitudeFilter::measure_rest(double time_s) noexcept {
   const Vec3 rate = vec(s_.sums.rate_radps_s) / time_s;
   // The rest detector looks back over a window; a motion that has just begun is seen here first.
   double surprise = 0.0;
-  for (int i = 0; i < 3; ++i) surprise += rate(i) * rate(i) / (s_.error.P()(kGyrBias + i, kGyrBias + i) + rate2);
+  for (int i = 0; i < 2; ++i) surprise += rate(i) * rate(i) / (s_.error.P()(kGyrBias + i, kGyrBias + i) + rate2);
   s_.rest_doubt_s = surprise > kRestSurprise ? kRestDoubt_s : s_.rest_doubt_s - time_s;
   if (s_.rest_doubt_s > 0.0) return;
   for (int i = 0; i < 3; ++i) {
