@@ -10,6 +10,7 @@
 #include "diagnosis/no_reference/no_reference.h"
 #include "diagnosis/reference/findings.h"
 #include "diagnosis/reference/given_effects.h"
+#include "diagnosis/reference/twins.h"
 #include "diagnosis/sanity/sanity.h"
 #include "diagnosis/summary.h"
 #include "diagnosis/trajectory/trajectory.h"
@@ -102,7 +103,7 @@ Verdict verdict_of(const Diagnosis& d) {
 }  // namespace
 
 Answer diagnose(const io::Recording& recording, const sim::SimulationConfig& given,
-                const std::vector<std::string>& without) {
+                const std::vector<std::string>& without, std::size_t twins) {
   sim::SimulationConfig simulation = given;
   Answer answer;
   if (recording.size() < 20) return insufficient("the recording has fewer than 20 rows; record at least a minute");
@@ -143,7 +144,9 @@ Answer diagnose(const io::Recording& recording, const sim::SimulationConfig& giv
   const auto factor =
       static_cast<Eigen::Index>(std::floor(std::min(static_cast<double>(s.n) / kMostSamples, kFastEnough_s / s.dt_s)));
   if (factor > 1) s = thinned(s, factor);
-  const EngineResult engine = search_all(s, without);
+  EngineResult engine = search_all(s, without);
+  if (twins > 0)
+    for (auto& line : gate_by_twins(s, engine, twins)) answer.diagnosis.notices.push_back(std::move(line));
   answer.diagnosis.findings = forensics.findings;
   answer.effects = forensics.effects;
   const std::size_t kept = answer.diagnosis.findings.size();

@@ -18,8 +18,9 @@ struct Answer {
 
 /// Never fails: what cannot be judged is the verdict insufficient_data, with the reason among the notices.
 /// Effects that the simulation already has are taken out before anything is looked for. `without`: laws that are taken
-/// out of the library, to see what is said when the true one is not in it.
+/// out of the library, to see what is said when the true one is not in it. `twins`: so many null twins a sensor gate
+/// what is found with a reference (twins.h); each costs about as much as the search itself.
 [[nodiscard]] Answer diagnose(const io::Recording& recording, const sim::SimulationConfig& simulation,
-                              const std::vector<std::string>& without = {});
+                              const std::vector<std::string>& without = {}, std::size_t twins = 0);
 
 }  // namespace stillpoint::diag

@@ -19,6 +19,7 @@ namespace {
 struct Options {
   std::string simulation, recording, json, report, improved, validate;
   std::vector<std::string> without;
+  std::size_t twins = 0;
   bool fail_on_mismatch = false;
 };
 
@@ -53,7 +54,7 @@ int run_diagnose(const Options& o) {
   if (!simulation) return report(simulation.error());
   const auto recording = io::read_recording(o.recording, io::OnMalformedRow::kCount);
   if (!recording) return report(recording.error());
-  diag::Answer answer = diag::diagnose(*recording, *simulation, o.without);
+  diag::Answer answer = diag::diagnose(*recording, *simulation, o.without, o.twins);
   for (const auto& line : io::describe(recording->issues)) answer.diagnosis.notices.push_back(line);
   const bool quiet = o.json == "-";
   if (!quiet) std::fputs(diag::to_text(answer.diagnosis).c_str(), stdout);
@@ -90,6 +91,11 @@ void add_diagnose(CLI::App& app, Run& run) {
   command->add_option("--report", o.report, "write the report (HTML, one file)");
   command->add_option("--improved", o.improved, "write the simulation with the found physics in it (YAML)");
   command->add_option("--validate", o.validate, "judge the improved simulation on another recording (CSV)");
+  command
+      ->add_option("--twins", o.twins,
+                   "repeat the search on so many resimulations without what was found; state only what none of them "
+                   "scores as high as")
+      ->check(CLI::Range(1, 1000));
   command
       ->add_option("--without-law", o.without,
                    "take this law (an ID of `stillpoint effects`) out of the library, to see what is said when it is "

@@ -120,6 +120,16 @@ Series NoiseModel::whiten(const Layout& layout, const Series& x, int axis) const
   return filter(layout, x, axis).array() * inverse_scale_.col(axis).array() * layout.counts;
 }
 
+Series NoiseModel::coloured(const Layout& layout, const Series& white, int axis) const {
+  Series out = white.array() / inverse_scale_.col(axis).array();
+  for (const Segment& g : layout.segments) {
+    const Eigen::VectorXd& a = coefficients_[static_cast<std::size_t>(g.regime)][static_cast<std::size_t>(axis)];
+    for (Eigen::Index i = g.begin; i < g.end; ++i)
+      for (Eigen::Index j = 0; j < std::min(a.size(), i - g.begin); ++j) out[i] += a[j] * out[i - j - 1];
+  }
+  return out;
+}
+
 Series NoiseModel::density(const Layout& layout, const Series& frequency_hz, double dt_s, int axis) const {
   std::array<double, 2> share{};
   for (const Segment& g : layout.segments)

@@ -38,6 +38,9 @@ class NoiseModel {
 
   /// Applies the filter and the scale of one axis; samples that do not count become 0.
   [[nodiscard]] Series whiten(const Layout& layout, const Series& x, int axis) const;
+  /// The reverse for white draws of unit variance: noise with this colour and scale. Where nothing is measured it runs
+  /// on.
+  [[nodiscard]] Series coloured(const Layout& layout, const Series& white, int axis) const;
   /// One-sided power density at the given frequencies, unit^2/Hz; the regimes weigh as long as they last.
   [[nodiscard]] Series density(const Layout& layout, const Series& frequency_hz, double dt_s, int axis) const;
   /// Sum of -log(scale) over the samples that count: the part of the log-likelihood that is not in the whitened

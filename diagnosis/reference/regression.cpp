@@ -23,15 +23,6 @@ struct AxisSystem {
 };
 using Systems = std::array<AxisSystem, 3>;
 
-/// Prior deviations of the walk's coefficients k = 1..K: a walk with q unit/sqrt(s) has variance 2 q^2 T / (k pi)^2
-/// there.
-Eigen::VectorXd walk_deviations(const Target& t, double q) {
-  Eigen::VectorXd d(t.walk.cols());
-  for (Eigen::Index k = 0; k < d.size(); ++k)
-    d[k] = q * std::sqrt(2.0 * t.duration_s) / (static_cast<double>(k + 1) * std::numbers::pi);
-  return d;
-}
-
 AxisSystem whitened_system(const Target& t, const Columns& columns, const NoiseModel& noise, int axis) {
   AxisSystem out;
   const auto p = static_cast<Eigen::Index>(columns.size());
@@ -187,6 +178,13 @@ Eigen::MatrixXd walk_basis(const Signals& s) {
   Eigen::MatrixXd walk(s.n, terms);
   for (int k = 1; k <= terms; ++k) walk.col(k - 1) = (s.t_s.array() * (k * std::numbers::pi / length)).cos();
   return walk;
+}
+
+Eigen::VectorXd walk_deviations(const Target& t, double q) {
+  Eigen::VectorXd d(t.walk.cols());
+  for (Eigen::Index k = 0; k < d.size(); ++k)
+    d[k] = q * std::sqrt(2.0 * t.duration_s) / (static_cast<double>(k + 1) * std::numbers::pi);
+  return d;
 }
 
 Target make_target(const Signals& s, Sensor sensor) {

@@ -42,6 +42,10 @@ struct Target {
 /// cos(k pi t / T), k = 1..K, down to periods of about 8 s.
 [[nodiscard]] Eigen::MatrixXd walk_basis(const Signals& s);
 
+/// Prior deviations of the walk's coefficients k = 1..K: a walk with q unit/sqrt(s) has variance 2 q^2 T / (k pi)^2
+/// there.
+[[nodiscard]] Eigen::VectorXd walk_deviations(const Target& t, double q);
+
 struct Fit {
   Eigen::VectorXd theta;       ///< of the candidate columns
   Eigen::MatrixXd covariance;  ///< of theta
