@@ -164,7 +164,7 @@ Answer diagnose(const io::Recording& recording, const sim::SimulationConfig& giv
   for (const auto& n : s.notices) answer.diagnosis.notices.push_back(n);
   std::sort(answer.diagnosis.ranking.begin(), answer.diagnosis.ranking.end(),
             [](const RankedHypothesis& a, const RankedHypothesis& b) { return a.gain_nats > b.gain_nats; });
-  answer.diagnosis.abstention_nats = charge(3, {}) + 3.0;
+  answer.diagnosis.abstention_nats = charge(3, {}) + kLeastNet;
   answer.diagnosis.verdict = verdict_of(answer.diagnosis);
   answer.diagnosis.summary = summarise(answer.diagnosis);
   return answer;

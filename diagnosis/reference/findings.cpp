@@ -237,7 +237,7 @@ void residual_of(const Signals& s, const SensorSearch& search, const Finished& f
     c.rms_after = rms(finished.fit.leftover.col(axis));
     c.white = is_white(finished.fit.whitened.col(axis), layout);
     const double sd = std::sqrt(std::max(finished.fit.nuisance_covariance(4 * axis, 4 * axis), 0.0));
-    c.smallest_seen = std::sqrt(2.0 * (charge(1, {}) + 3.0)) * sd;
+    c.smallest_seen = std::sqrt(2.0 * (charge(1, {}) + kLeastNet)) * sd;
     c.unit = kSensorUnit[search.sensor];
     answer.diagnosis.residual.push_back(c);
   }
