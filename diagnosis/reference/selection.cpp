@@ -13,8 +13,8 @@ namespace stillpoint::diag {
 namespace {
 
 constexpr double kNatsPerCoefficient = 2.0;
-constexpr double kNatsForTheName = 5.0;    // log of the number of laws
-constexpr double kNatsForTheWindow = 8.0;  // log of the number of windows
+constexpr double kNatsForTheName = 5.0;           // log of the number of laws
+constexpr double kNatsForTheWindow = 8.0;         // log of the number of windows
 constexpr double kLeastHeldOut = 1.0;             // nats on data not used for the fit
 constexpr double kLeastShareOfFirst = 0.02;       // the remainder of a large effect must not get a name of its own
 constexpr double kLeastShareBesideUnknown = 0.1;  // a product stands for the true law to that much only
