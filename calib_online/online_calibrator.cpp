@@ -146,7 +146,6 @@ bool OnlineCalibrator::absorb_acc(const Window& w) noexcept {
   const double g = params_.gravity_mps2;
   const Vec3 x = factory_.acc.apply(w.acc_mps2, w.temp_degC) / g;
   if (!x.allFinite()) return false;
-  const double t = tau(w.temp_degC, factory_.acc);
   const Vec3 n = mat(factory_.acc.matrix).transpose() * x.normalized();
   const double norm_var = n.dot(mat(w.acc_cov) * n) + squared(params_.accelerometer.norm_floor_mps2);
   double variance = 4.0 * norm_var / (g * g);
@@ -156,12 +155,7 @@ bool OnlineCalibrator::absorb_acc(const Window& w) noexcept {
   s_.last_direction = array(Vec3(x.normalized()));
   variance *= std::max(1.0, static_cast<double>(s_.same_direction) / kSameDirectionLimit);
 
-  const AccEstimate before = acc_estimate(w.temp_degC);
-  const Vec9 d = quadric_terms(x);
-  const AccFilter::Innovation innovation =
-      model_ == TemperatureModel::kPolynomial || !before.valid
-          ? acc_.innovation(x, t)
-          : AccFilter::Innovation{1.0 - d.dot(before.p), d.dot(before.covariance * d)};
+  const AccFilter::Innovation innovation = acc_innovation(x, w.temp_degC);
   const double sd = std::sqrt(innovation.variance + variance);
   const double ratio = std::abs(innovation.value) / sd;
   if (ratio > kGate) {
@@ -231,6 +225,18 @@ OnlineCalibrator::AccEstimate OnlineCalibrator::acc_estimate(double temp_degC) c
                                .window_variance = window_variance()});
 }
 
+Vec9 OnlineCalibrator::acc_entries(double temp_degC) const noexcept {
+  if (model_ == TemperatureModel::kPolynomial) return acc_.at(tau(temp_degC, factory_.acc));
+  return acc_estimate(temp_degC).p;
+}
+
+AccFilter::Innovation OnlineCalibrator::acc_innovation(const Vec3& x, double temp_degC) const noexcept {
+  const AccEstimate learnt = model_ == TemperatureModel::kPolynomial ? AccEstimate{} : acc_estimate(temp_degC);
+  if (!learnt.valid) return acc_.innovation(x, tau(temp_degC, factory_.acc));
+  const Vec9 d = quadric_terms(x);
+  return {1.0 - d.dot(learnt.p), d.dot(learnt.covariance * d)};
+}
+
 void OnlineCalibrator::publish_acc(double temp_degC) noexcept {
   const double g = params_.gravity_mps2;
   const double t = tau(temp_degC, factory_.acc);
@@ -252,8 +258,8 @@ void OnlineCalibrator::publish_acc(double temp_degC) noexcept {
   const Mat3 to_reading = g * H_f.inverse();
   // The centre at three temperatures gives the polynomial of the bias; the matrix is that of now.
   const double step = 0.2;  // 5 K
-  const auto colder = ellipsoid(acc_estimate(temp_degC - step * kTempScale_K).p),
-             warmer = ellipsoid(acc_estimate(temp_degC + step * kTempScale_K).p);
+  const auto colder = ellipsoid(acc_entries(temp_degC - step * kTempScale_K)),
+             warmer = ellipsoid(acc_entries(temp_degC + step * kTempScale_K));
   const Vec3 c0 = here->centre;
   const Vec3 c1 = colder && warmer ? Vec3((warmer->centre - colder->centre) / (2.0 * step)) : Vec3(Vec3::Zero());
   const Vec3 c2 =

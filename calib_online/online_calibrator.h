@@ -126,6 +126,8 @@ class OnlineCalibrator {
   using AccEstimate = TemperatureCells::Estimate;
   [[nodiscard]] double window_variance() const noexcept;
   [[nodiscard]] AccEstimate acc_estimate(double temp_degC) const noexcept;
+  [[nodiscard]] Vec9 acc_entries(double temp_degC) const noexcept;  ///< the same without its covariance
+  [[nodiscard]] AccFilter::Innovation acc_innovation(const Vec3& x, double temp_degC) const noexcept;
   void learn_acc(const Vec3& x, const Window& window, double variance) noexcept;
   void publish_acc(double temp_degC) noexcept;
   void publish_gyr(double temp_degC) noexcept;

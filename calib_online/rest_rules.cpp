@@ -77,6 +77,13 @@ double derotated_quarters(std::span<const MotionSample> window, double dt_s) noe
   return sum;
 }
 
+double derotated_quarters_with_gravity(std::span<const MotionSample> window, double dt_s,
+                                       double gravity_mps2) noexcept {
+  // sum |q - g m/|m||^2 = sum |q - m|^2 + 4 (|m| - g)^2 with m the mean of the quarters.
+  const double off = derotated_mean(window, dt_s).norm() - gravity_mps2;
+  return derotated_quarters(window, dt_s) + 4.0 * off * off;
+}
+
 Vec3 derotated_mean(std::span<const MotionSample> window, double dt_s) noexcept {
   const auto quarter = turned_quarters(window, dt_s);
   return 0.25 * (quarter[0] + quarter[1] + quarter[2] + quarter[3]);

@@ -24,6 +24,10 @@ struct MotionSample {
                           double gyr_sd) noexcept;
 /// Sum of squares of the quarter means about their mean after de-rotation to the middle, (m/s^2)^2.
 [[nodiscard]] double derotated_quarters(std::span<const MotionSample> window, double dt_s) noexcept;
+/// The same against one vector of gravity's length, R3 as a likelihood ratio. Only for a sensor whose calibration is
+/// known better than what is looked for: else it keeps what agrees with a wrong calibration.
+[[nodiscard]] double derotated_quarters_with_gravity(std::span<const MotionSample> window, double dt_s,
+                                                     double gravity_mps2) noexcept;
 /// The de-rotated mean itself, at the middle of the window.
 [[nodiscard]] Vec3 derotated_mean(std::span<const MotionSample> window, double dt_s) noexcept;
 
