@@ -8,6 +8,7 @@
 #include "diagnosis/finding_effect.h"
 #include "diagnosis/forensics/forensics.h"
 #include "diagnosis/no_reference/no_reference.h"
+#include "diagnosis/reference/apparatus.h"
 #include "diagnosis/reference/findings.h"
 #include "diagnosis/reference/given_effects.h"
 #include "diagnosis/reference/twins.h"
@@ -89,7 +90,7 @@ bool contains(const std::vector<sim::EffectConfig>& effects, const std::string& 
 /// Faults of single readings: their being in the simulation is what silences them; no residual predicts them.
 bool shows_in_raw_values(const std::string& id) {
   return id.ends_with("_quant") || id.ends_with("_sat") || id.ends_with("_drift") || id == "mag_hold" ||
-         id == "sys_dup" || id == "gyr_deadzone";
+         id == "sys_dup" || id == "gyr_deadzone" || id == "sys_jitter" || id == "ref_error" || id == "gyr_instability";
 }
 
 Verdict verdict_of(const Diagnosis& d) {
@@ -103,7 +104,8 @@ Verdict verdict_of(const Diagnosis& d) {
 }  // namespace
 
 Answer diagnose(const io::Recording& recording, const sim::SimulationConfig& given,
-                const std::vector<std::string>& without, std::size_t twins) {
+                const std::vector<std::string>& without, std::size_t twins,
+                const std::function<void(double)>& progress) {
   sim::SimulationConfig simulation = given;
   Answer answer;
   if (recording.size() < 20) return insufficient("the recording has fewer than 20 rows; record at least a minute");
@@ -141,14 +143,17 @@ Answer diagnose(const io::Recording& recording, const sim::SimulationConfig& giv
           fmt::format("effect {} of the simulation cannot be predicted from the recording; left in", id));
   mute_lattice_at_rest(s, forensics);
   compare_noise(s, answer);
+  answer.diagnosis.findings = forensics.findings;
+  answer.effects = forensics.effects;
+  find_reference_error(s, recording, simulation, answer);
+  find_frame(s, simulation, answer);
+  find_jitter(s, simulation, answer);
   const auto factor =
       static_cast<Eigen::Index>(std::floor(std::min(static_cast<double>(s.n) / kMostSamples, kFastEnough_s / s.dt_s)));
   if (factor > 1) s = thinned(s, factor);
-  EngineResult engine = search_all(s, without);
+  EngineResult engine = search_all(s, without, progress);
   if (twins > 0)
     for (auto& line : gate_by_twins(s, engine, twins)) answer.diagnosis.notices.push_back(std::move(line));
-  answer.diagnosis.findings = forensics.findings;
-  answer.effects = forensics.effects;
   const std::size_t kept = answer.diagnosis.findings.size();
   std::vector<Sensor> order;  // whoever sees an effect of the whole clock best speaks first
   for (const SystemEffect& e : engine.system)

@@ -1,6 +1,7 @@
 /// The whole diagnosis of one recording against one simulation: input checks, forensics on raw values, the search for
 /// missing physics, and the answer of result.h.
 #pragma once
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -19,8 +20,10 @@ struct Answer {
 /// Never fails: what cannot be judged is the verdict insufficient_data, with the reason among the notices.
 /// Effects that the simulation already has are taken out before anything is looked for. `without`: laws that are taken
 /// out of the library, to see what is said when the true one is not in it. `twins`: so many null twins a sensor gate
-/// what is found with a reference (twins.h); each costs about as much as the search itself.
+/// what is found with a reference (twins.h); each costs about as much as the search itself. `progress` is told the
+/// share of the work that is done, 0 to 1.
 [[nodiscard]] Answer diagnose(const io::Recording& recording, const sim::SimulationConfig& simulation,
-                              const std::vector<std::string>& without = {}, std::size_t twins = 0);
+                              const std::vector<std::string>& without = {}, std::size_t twins = 0,
+                              const std::function<void(double)>& progress = {});
 
 }  // namespace stillpoint::diag

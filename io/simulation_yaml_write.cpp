@@ -108,7 +108,8 @@ std::string format_simulation(const SimulationConfig& c) {
   };
   block("environment", emit(c.environment), emit(sim::EnvironmentConfig{}));
   block("timing", emit(c.timing), emit(sim::TimingConfig{}));
-  block("reference", emit(c.reference), emit(sim::ReferenceConfig{}));
+  // Said at all, it is said again: a diagnosis holds the reference to it.
+  block("reference", emit(c.reference), c.reference.stated ? std::string() : emit(sim::ReferenceConfig{}));
   return out;
 }
 

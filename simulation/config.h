@@ -168,6 +168,7 @@ struct TimingConfig {
 struct ReferenceConfig {
   std::string kind = "exact";  ///< exact, mocap, none
   double orientation_sd_rad = 0.001, position_sd_m = 2e-4, band_hz = 10.0;
+  bool stated = false;  ///< the simulation speaks of its reference: a diagnosis then holds the recording's to that
 
   static constexpr auto fields() {
     using P = ReferenceConfig;

@@ -1,7 +1,6 @@
 /// `stillpoint calibrate --recording`: the daemon's rest detection and calibration over a file, with what they could
 /// not see.
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include <array>
 #include <cmath>
@@ -12,6 +11,7 @@
 
 #include "apps/stillpoint/calibrate.h"
 #include "apps/stillpoint/commands.h"
+#include "apps/stillpoint/progress.h"
 #include "calib_online/field_turns.h"
 #include "calib_online/online_calibrator.h"
 #include "calib_online/rest_detector.h"
@@ -29,25 +29,6 @@ struct Outcome {
   double gravity_mps2 = kStandardGravity_mps2;
   double duration_s = 0.0;
   bool has_mag = false;
-};
-
-/// To standard error, on a terminal, for files that take long enough to wonder.
-class Progress {
- public:
-  explicit Progress(std::size_t total) : total_(total), shown_(total > 200'000 && isatty(STDERR_FILENO) != 0) {}
-  void at(std::size_t row) const {
-    if (!shown_ || row % 20'000 != 0) return;
-    const int done = static_cast<int>(40 * row / total_);
-    fmt::print(stderr, "\r[{:<40}] {:3d} %", std::string(static_cast<std::size_t>(done), '#'),
-               static_cast<int>(100 * row / total_));
-  }
-  ~Progress() {
-    if (shown_) fmt::print(stderr, "\r{:50}\r", "");
-  }
-
- private:
-  std::size_t total_;
-  bool shown_;
 };
 
 bool read_state(const std::string& path, calib::OnlineCalibrator& calibrator) {
@@ -74,9 +55,9 @@ Outcome calibrate(const io::Recording& recording, calib::OnlineCalibrator& calib
   params.gravity_mps2 = gravity_mps2;
   calib::RestDetector detector(params);
   calib::FieldTurnFinder turns;
-  const Progress progress(recording.size());
+  Progress progress("calibrating");
   for (std::size_t row = 0; row < recording.size(); ++row) {
-    progress.at(row);
+    if (row % 4096 == 0) progress.at(static_cast<double>(row) / static_cast<double>(recording.size()));
     const RawSample sample = recording.sample(row);
     const auto window = detector.push(sample, calibrator.snapshot());
     if (const auto turn = turns.push(sample, 0, calibrator.snapshot())) calibrator.absorb(*turn);

@@ -5,6 +5,7 @@
 #include <fstream>
 
 #include "apps/stillpoint/commands.h"
+#include "apps/stillpoint/progress.h"
 #include "diagnosis/diagnose.h"
 #include "diagnosis/report/report.h"
 #include "diagnosis/summary.h"
@@ -49,12 +50,19 @@ std::string blocks_to_paste(const std::vector<sim::EffectConfig>& effects) {
   return out;
 }
 
+diag::Answer with_progress(const std::string& what, const io::Recording& recording,
+                           const sim::SimulationConfig& simulation, const std::vector<std::string>& without,
+                           std::size_t twins) {
+  Progress progress(what);
+  return diag::diagnose(recording, simulation, without, twins, [&progress](double share) { progress.at(share); });
+}
+
 int run_diagnose(const Options& o) {
   const auto simulation = io::read_simulation(o.simulation);
   if (!simulation) return report(simulation.error());
   const auto recording = io::read_recording(o.recording, io::OnMalformedRow::kCount);
   if (!recording) return report(recording.error());
-  diag::Answer answer = diag::diagnose(*recording, *simulation, o.without, o.twins);
+  diag::Answer answer = with_progress("diagnosing", *recording, *simulation, o.without, o.twins);
   for (const auto& line : io::describe(recording->issues)) answer.diagnosis.notices.push_back(line);
   const bool quiet = o.json == "-";
   if (!quiet) std::fputs(diag::to_text(answer.diagnosis).c_str(), stdout);
@@ -67,7 +75,8 @@ int run_diagnose(const Options& o) {
   if (!o.validate.empty()) {
     const auto other = io::read_recording(o.validate, io::OnMalformedRow::kCount);
     if (!other) return report(other.error());
-    const diag::Answer before = diag::diagnose(*other, *simulation), after = diag::diagnose(*other, improved);
+    const diag::Answer before = with_progress("validating, before", *other, *simulation, {}, 0),
+                       after = with_progress("validating, after", *other, improved, {}, 0);
     std::fprintf(quiet ? stderr : stdout, "\nVALIDATE %s: before: %s  after: %s\n", o.validate.c_str(),
                  before.diagnosis.summary.c_str(), after.diagnosis.summary.c_str());
   }

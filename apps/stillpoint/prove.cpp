@@ -3,15 +3,14 @@
 #include <fmt/format.h>
 
 #include <atomic>
-#include <chrono>
 #include <filesystem>
 #include <fstream>
-#include <mutex>
 #include <sstream>
 #include <thread>
 
 #include "apps/stillpoint/child_process.h"
 #include "apps/stillpoint/commands.h"
+#include "apps/stillpoint/progress.h"
 #include "diagnosis/prove/prove.h"
 #include "diagnosis/prove/sha256.h"
 #include "diagnosis/report/svg.h"
@@ -60,43 +59,14 @@ void solve(const Posed& posed) {
   if (child) child->wait();
 }
 
-/// A bar with the time that is left, on a terminal; nothing where standard error goes into a file.
-class Progress {
- public:
-  explicit Progress(std::size_t total) : total_(total), shown_(isatty(STDERR_FILENO) != 0) {}
-  ~Progress() {
-    if (shown_) std::fputs("\n", stderr);
-  }
-  Progress(const Progress&) = delete;
-  Progress& operator=(const Progress&) = delete;
-
-  void step() {
-    constexpr std::size_t kWidth = 40;
-    const std::lock_guard lock(terminal_);
-    ++done_;
-    if (!shown_) return;
-    const std::chrono::duration<double> spent = std::chrono::steady_clock::now() - start_;
-    const double left_s = spent.count() / static_cast<double>(done_) * static_cast<double>(total_ - done_);
-    const std::string full(done_ * kWidth / total_, '#'), open(kWidth - full.size(), '.');
-    std::fprintf(stderr, "\rsolving [%s%s] %zu of %zu, %.0f s left  ", full.c_str(), open.c_str(), done_, total_,
-                 left_s);
-  }
-
- private:
-  std::size_t total_, done_ = 0;
-  bool shown_;
-  std::mutex terminal_;
-  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
-};
-
 /// As many solvers beside one another as there are processors.
 void solve_all(const std::vector<Posed>& posed) {
-  std::atomic<std::size_t> next{0};
-  Progress progress(posed.size());
+  std::atomic<std::size_t> next{0}, done{0};
+  Progress progress("solving");
   const auto work = [&] {
     for (std::size_t i = next++; i < posed.size(); i = next++) {
       solve(posed[i]);
-      progress.step();
+      progress.at(static_cast<double>(++done) / static_cast<double>(posed.size()));
     }
   };
   std::vector<std::thread> workers;

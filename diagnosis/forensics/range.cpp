@@ -9,6 +9,8 @@ namespace {
 
 constexpr std::size_t kLeastPile = 4;
 constexpr double kPileOverNeighbours = 8.0;  // readings on the rail against those on the steps beside it
+constexpr double kNoiseOverGrain = 30.0;
+constexpr std::size_t kLeastRuns = 3;
 constexpr std::size_t kLeastPeaks = 3;
 constexpr double kAlike = 0.005, kNearRange = 0.03;  // what a factory calibration moves a rail by
 constexpr double kApart = 4.0;                       // to the next lower reading, in the spread of the peaks
@@ -71,7 +73,10 @@ std::optional<Rail> try_rail(const Axis& axis, double sign, double level) {
     if (run.first == 0 || run.last + 1 >= axis.y.size()) continue;
     steep_runs += level - sign * axis.y[run.first - 1] > steep && level - sign * axis.y[run.last + 1] > steep;
   }
-  if (steep_runs < 2) return std::nullopt;
+  // Noise far above the decimals does not come back to one number, however slowly the body turns there; a value that
+  // was held does not come back to it a third time.
+  const bool noisy = axis.noise_sd > kNoiseOverGrain * grain && axis.lattice.step == 0;
+  if (steep_runs < 2 && !(noisy && runs_of(rail.rows).size() >= kLeastRuns)) return std::nullopt;
   return rail;
 }
 

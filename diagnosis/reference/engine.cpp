@@ -70,7 +70,8 @@ bool joins_all(const Signals& s, EngineResult& r, Sensor lead, Found& f, std::ve
 
 }  // namespace
 
-EngineResult search_all(const Signals& s, const std::vector<std::string>& without) {
+EngineResult search_all(const Signals& s, const std::vector<std::string>& without,
+                        const std::function<void(double)>& progress) {
   EngineResult r;
   std::array<bool, kSensors> open{};
   for (const Sensor k : {kAcc, kGyr, kMag}) {
@@ -82,8 +83,10 @@ EngineResult search_all(const Signals& s, const std::vector<std::string>& withou
   }
   for (int round = 0; round < kMostEffects; ++round) {
     std::array<std::optional<Found>, kSensors> next;
-    for (const Sensor k : {kAcc, kGyr, kMag})
+    for (const Sensor k : {kAcc, kGyr, kMag}) {
+      if (progress) progress((round + static_cast<int>(k) / 3.0) / kMostEffects);
       if (open[k]) next[k] = next_effect(s, *r.sensor[k]);
+    }
     // The sensor that sees a clock effect best speaks for it.
     int lead = -1;
     for (int k = 0; k < kSensors; ++k)

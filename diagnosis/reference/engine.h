@@ -15,7 +15,9 @@ struct EngineResult {
   std::vector<SystemEffect> system;
 };
 
-/// Pre: the signals have an orientation. `without`: names that are not in the library this time.
-[[nodiscard]] EngineResult search_all(const Signals& s, const std::vector<std::string>& without = {});
+/// Pre: the signals have an orientation. `without`: names that are not in the library this time. `progress` is told the
+/// share of the search that is done at most.
+[[nodiscard]] EngineResult search_all(const Signals& s, const std::vector<std::string>& without = {},
+                                      const std::function<void(double)>& progress = {});
 
 }  // namespace stillpoint::diag

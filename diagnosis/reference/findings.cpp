@@ -183,6 +183,8 @@ Finding drift_finding(const Signals& s, const SensorSearch& search, const Finish
   out.held_out.unit = kSensorUnit[search.sensor];
   out.p_value = std::exp(-finished.walk_gain_nats);
   out.confidence = 1.0 - out.p_value;
+  // Over minutes a flicker and a walk look alike; the Allan deviation of hours tells them apart.
+  if (search.sensor == kGyr) out.equivalent.emplace_back("gyr_instability");
   const std::string missing = missing_drivers(s, search.sensor);
   out.decided_by = missing.empty() ? "a longer recording with a second ramp of each driver"
                                    : "record " + missing + ": it could drive this";

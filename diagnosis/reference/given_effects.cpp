@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "diagnosis/reference/apparatus.h"
 #include "diagnosis/reference/columns.h"
 #include "simulation/effect_catalogue.h"
 
@@ -23,6 +24,13 @@ std::vector<double> list(const Eigen::VectorXd& v, Eigen::Index first, Eigen::In
 double scalar(const sim::EffectConfig& e, const std::string& key, double fallback) {
   const auto it = e.parameters.find(key);
   return it == e.parameters.end() || it->second.empty() ? fallback : it->second.front();
+}
+
+Vec3 vec3_of(const sim::EffectConfig& e, const std::string& key) {
+  const auto it = e.parameters.find(key);
+  if (it == e.parameters.end() || it->second.empty()) return Vec3::Zero();
+  const std::vector<double>& v = it->second;
+  return v.size() == 3 ? Vec3(v[0], v[1], v[2]) : Vec3::Constant(v[0]);
 }
 
 /// The window in which an entry acts, in samples.
@@ -83,6 +91,7 @@ bool subtract_linear(Signals& s, Sensor k, const sim::EffectConfig& e, const sim
       for (int axis = 0; axis < 3; ++axis)
         if (const auto shown = shown_in(columns[j], axis); shown && acts_on(e, axis))
           delta.col(axis) += values[j] * *shown;
+    if (k == kGyr) s.given_rate = s.given_rate.rows() == 0 ? delta : Series3(s.given_rate + delta);
     s.residual[k] -= let_through(s, k == kGyr ? tracker : nullptr, std::move(delta));
     return true;
   }
@@ -201,6 +210,7 @@ std::vector<std::string> subtract_effects(Signals& s, const std::vector<sim::Eff
   const sim::EffectConfig* tracker = at == effects.end() ? nullptr : &*at;
   for (const sim::EffectConfig& e : effects) {
     bool done = e.id == "sys_tracker";
+    if (e.id == "ref_frame") turn_into_sensor_frame(s, vec3_of(e, "phi_rad")), done = true;
     for (const Sensor k : {kAcc, kGyr, kMag}) {
       if (!s.present[k] || s.residual[k].rows() == 0) continue;
       const bool mine = e.id.rfind(std::string(kSensorName[k]) + "_", 0) == 0, common = e.id.rfind("sys_", 0) == 0;

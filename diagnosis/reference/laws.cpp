@@ -78,6 +78,25 @@ class LawList {
     behind(prefix_ + "temp_quad", s.temperature_K.cwiseAbs2(), "k2", std::string(kSensorUnit[sensor_]) + "/K^2");
   }
 
+  /// An estimator on board takes away what the simulation knows of: seen by what is missing of it.
+  void tracker() {
+    if (s_.given_rate.rows() == 0 || !s_.has_rest) return;
+    const Signals& s = s_;
+    Law& law = add(
+        "sys_tracker",
+        [&s](double tau) {
+          Series3 lost = s.given_rate;
+          for (int axis = 0; axis < 3; ++axis)
+            lost.col(axis) = after_tracker(s.given_rate.col(axis), s.rest, s.dt_s, tau) - s.given_rate.col(axis);
+          return coupled({lost});
+        },
+        {"share"}, "1", "u = y - b, db/dt = (y - b) / tau at rest", "pattern of rests, and what drifts between them");
+    law.shapes = {3.0, 6.0, 10.0, 15.0, 22.0, 32.0, 50.0};
+    law.shape_name = "tau";
+    law.shape_unit = "s";
+    law.extent = Extent::kWhole;
+  }
+
   void nonlinear() {
     const Signals& s = s_;
     const Sensor k = sensor_;
@@ -250,7 +269,7 @@ std::vector<Law> make_laws(const Signals& s, Sensor sensor) {
   if (sensor != kMag) list.hidden_saturation();
   if (sensor == kAcc) list.accelerometer();
   if (sensor == kGyr) list.gyroscope();
-  if (sensor == kGyr) list.thermal_behind_tracker();
+  if (sensor == kGyr) list.thermal_behind_tracker(), list.tracker();
   if (sensor == kMag) list.magnetometer();
   list.never_local({"_temp_", "_volt", "_earth", "_gravity", "_vre"});
   std::vector<Law> laws = list.take();

@@ -4,6 +4,8 @@
 #include <numbers>
 #include <unsupported/Eigen/FFT>
 
+#include "simulation/filters.h"
+
 namespace stillpoint::diag {
 namespace {
 
@@ -58,10 +60,20 @@ Response low_pass(double pass_Hz) {
   };
 }
 
-Series3 vibration_power(const Series3& f, double dt_s, double above_Hz) {
+Series3 fast_power(const Series3& f, double dt_s, double above_Hz) {
   const Response low = low_pass(above_Hz / 1.5);
   const Series3 fast = apply_response(f, dt_s, [&](double x) { return 1.0 - low(x); });
   return apply_response(fast.cwiseAbs2(), dt_s, low_pass(1.0)).cwiseMax(0.0);
+}
+
+Series3 rectified_power(const Series3& f, double dt_s, double average_s) {
+  sim::LowPass<Vec3> mean(average_s), power(average_s);
+  Series3 out(f.rows(), 3);
+  for (Eigen::Index i = 0; i < f.rows(); ++i) {
+    const Vec3 now = f.row(i), fast = now - mean.next(now, dt_s);
+    out.row(i) = power.next(fast.cwiseAbs2(), dt_s);
+  }
+  return out;
 }
 
 Response delay_response(double tau_s) {

@@ -17,8 +17,11 @@ using Response = std::function<std::complex<double>(double frequency_Hz)>;
 /// Zero-phase low-pass with a raised-cosine edge between `pass_Hz` and 1.5 `pass_Hz`.
 [[nodiscard]] Response low_pass(double pass_Hz);
 
-/// Mean square of what is faster than `above_Hz`, over half a second.
-[[nodiscard]] Series3 vibration_power(const Series3& f, double dt_s, double above_Hz);
+/// Power above a frequency, averaged over about a second, per axis.
+[[nodiscard]] Series3 fast_power(const Series3& f, double dt_s, double above_Hz);
+/// What the catalogue's <f_hf^2> is: the square of what a first-order high-pass lets through, averaged by a low-pass of
+/// the same time constant.
+[[nodiscard]] Series3 rectified_power(const Series3& f, double dt_s, double average_s);
 
 /// exp(-s tau)
 [[nodiscard]] Response delay_response(double tau_s);

@@ -140,6 +140,15 @@ void read_triads(Signals& s, const io::Recording& recording, const sim::Simulati
   }
 }
 
+/// Driver of rectification, where there is a vibration that could be rectified: fast power above that of the noise.
+Series3 vibration_of(const Signals& s) {
+  constexpr double kOverNoise = 4.0, kAverage_s = 0.5;
+  const Series power = fast_power(s.reading[kAcc], s.dt_s, kVibration_Hz).rowwise().sum();
+  const double noise = std::max(3.0 * s.noise_sd[kAcc] * s.noise_sd[kAcc], quantile(power, 0.05));
+  if (quantile(power, 0.9) < kOverNoise * noise) return {};
+  return rectified_power(s.reading[kAcc], s.dt_s, kAverage_s);
+}
+
 void read_drivers(Signals& s, const io::Recording& recording) {
   const auto read = [&](const std::vector<double>& column, double offset) {
     if (column.empty()) return Series();
@@ -259,8 +268,7 @@ Result<Signals> make_signals(const io::Recording& recording, const sim::Simulati
                 "no sensor of the simulation has readings in the recording; check its column names");
   read_drivers(s, recording);
   s.rest = find_rest(s);
-  if (s.present[kAcc] && 0.5 / s.dt_s > kVibration_Hz * 1.5)
-    s.vibration = vibration_power(s.reading[kAcc], s.dt_s, kVibration_Hz);
+  if (s.present[kAcc] && 0.5 / s.dt_s > kVibration_Hz * 1.5) s.vibration = vibration_of(s);
   s.has_orientation = !recording.ref_q_world_body.empty();
   s.has_position = !recording.ref_position_m.empty();
   if (!s.has_orientation) return s;

@@ -40,12 +40,13 @@ struct Signals {
       vector;                        ///< best estimate of the true vector: the reference when exact, else the reading
   std::array<Mask, kSensors> muted;  ///< samples that say nothing about this sensor's residual
   std::array<double, kSensors> noise_sd{};  ///< as configured, of one sample
-  Series3 rate, rate_dot;                   ///< rad/s, rad/s^2
-  std::array<Series3, 3> world_axis;        ///< world x, y, z seen from the sensor: the columns of R'
-  Series3 position_m;                       ///< in the world, its mean removed
+  Series3 given_rate;                 ///< what effects that the simulation has already do to the gyroscope; empty: none
+  Series3 rate, rate_dot;             ///< rad/s, rad/s^2
+  std::array<Series3, 3> world_axis;  ///< world x, y, z seen from the sensor: the columns of R'
+  Series3 position_m;                 ///< in the world, its mean removed
   Series temperature_K, current_A,
       voltage_V;      ///< empty: not recorded. Temperature relative to 25 degC, smoothed over 1 s
-  Series3 vibration;  ///< power of the specific force above 15 Hz, (m/s^2)^2; empty: sampled too slowly
+  Series3 vibration;  ///< <f_hf^2> of the catalogue, (m/s^2)^2; empty: sampled too slowly, or no vibration there
   Mask rest;
   std::vector<std::string> notices;
 

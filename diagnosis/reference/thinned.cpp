@@ -46,7 +46,8 @@ Signals thinned(const Signals& s, Eigen::Index factor) {
     for (std::size_t k = 0; k < group->size(); ++k) (*group)[k] = means_of_measured((*group)[k], s.muted[k], factor);
   for (auto* group : {&out.vector, &out.world_axis})
     for (Series3& x : *group) x = means(x, factor);
-  for (Series3* x : {&out.rate, &out.rate_dot, &out.position_m, &out.vibration}) *x = means(*x, factor);
+  for (Series3* x : {&out.rate, &out.rate_dot, &out.position_m, &out.vibration, &out.given_rate})
+    *x = means(*x, factor);
   for (Series* x : {&out.temperature_K, &out.current_A, &out.voltage_V}) *x = means(*x, factor);
   for (Mask& m : out.muted) m = merged(m, factor);
   out.rest = merged(s.rest, factor);
