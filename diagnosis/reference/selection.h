@@ -54,7 +54,7 @@ struct SensorSearch {
 };
 
 /// What a name has to gain beyond the freedom of the search before it is stated.
-inline constexpr double kLeastNet = 1.0;
+inline constexpr double kLeastNet = 1.5;
 
 /// The freedom of the search in nats: coefficients, the choice among laws, a window in time.
 [[nodiscard]] double charge(std::size_t coefficients, const Window& window);
