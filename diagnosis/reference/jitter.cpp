@@ -10,7 +10,7 @@
 namespace stillpoint::diag {
 namespace {
 
-constexpr double kLeastNats = 15.0;
+constexpr double kLeastNats = 30.0;      // more than the least a law needs: its noise model is the simpler one
 constexpr double kContradiction = -5.0;  // nats of one sensor that speak against the others
 constexpr double kLeastSlope = 0.5;      // of a millisecond's change over the noise: slower rows say nothing
 constexpr double kAcross_s = 1.0;        // noise across the derivative is averaged over twice this
@@ -39,28 +39,48 @@ Series3 rough(const Signals& s, Sensor k, const Series3& slope) {
   return y - design * design.colPivHouseholderQr().solve(Eigen::MatrixXd(y));
 }
 
+/// Variance of each axis in the slower half of its rows, where jitter adds least: axes need not be equally noisy.
+Vec3 quiet_variance(const Series3& left, const Series3& slope, const Mask& muted) {
+  Vec3 out = Vec3::Zero();
+  for (int axis = 0; axis < 3; ++axis) {
+    std::vector<std::pair<double, double>> rows;  // size of the derivative, square of the residual
+    for (Eigen::Index i = 0; i < left.rows(); ++i)
+      if (!muted[static_cast<std::size_t>(i)]) rows.emplace_back(std::abs(slope(i, axis)), std::pow(left(i, axis), 2));
+    const auto half = static_cast<std::ptrdiff_t>(rows.size() / 2);
+    if (half == 0) continue;
+    std::nth_element(rows.begin(), rows.begin() + half, rows.end());
+    for (auto row = rows.begin(); row != rows.begin() + half; ++row)
+      out[axis] += row->second / static_cast<double>(half);
+  }
+  return out;
+}
+
 Rows rows_of(const Signals& s, Sensor k) {
   Rows rows;
   rows.sensor = k;
   const Series3 slope = at_rest_zero(s, derivative(s.vector[k], s.dt_s));
   const Series3 left = rough(s, k, slope);
-  Series across = Series::Zero(s.n), counted = Series::Zero(s.n), along = across;
+  const Vec3 quiet2 = quiet_variance(left, slope, s.muted[k]);
+  Series across = Series::Zero(s.n), counted = across, along = across, quiet_along = across;
   for (Eigen::Index i = 0; i < s.n; ++i) {
     const Vec3 d = slope.row(i), v = s.vector[k].row(i), r = left.row(i);
     if (s.muted[k][static_cast<std::size_t>(i)] || 1e-3 * d.norm() < 1e-2 * kLeastSlope * s.noise_sd[k]) continue;
     // Errors of the orientation turn the vector: they are alike along the derivative and across both.
     const Vec3 n = v.cross(d);
     if (!(n.norm() > 1e-9)) continue;
-    across[i] = std::pow(r.dot(n) / n.norm(), 2), along[i] = r.dot(d) / d.norm(), counted[i] = 1.0;
+    const double quiet_across = n.cwiseAbs2().dot(quiet2);
+    if (!(quiet_across > 0.0)) continue;
+    across[i] = std::pow(r.dot(n), 2) / quiet_across, along[i] = r.dot(d) / d.norm(), counted[i] = 1.0;
+    quiet_along[i] = d.cwiseAbs2().dot(quiet2) / d.squaredNorm();
   }
   const auto half = static_cast<Eigen::Index>(kAcross_s / s.dt_s);
   const Series mean = moving_mean(across, half).cwiseQuotient(moving_mean(counted, half).cwiseMax(1e-9));
   for (Eigen::Index i = 0; i < s.n; ++i) {
-    if (counted[i] == 0.0 || !(mean[i] > 0.0)) continue;
+    if (counted[i] == 0.0 || !(mean[i] * quiet_along[i] > 0.0)) continue;
     rows.at.push_back(i);
     rows.along.push_back(along[i]);
     rows.slope.push_back(slope.row(i).norm());
-    rows.noise.push_back(mean[i]);
+    rows.noise.push_back(mean[i] * quiet_along[i]);
   }
   return rows;
 }
@@ -168,7 +188,11 @@ void find_jitter(Signals& s, const sim::SimulationConfig& given, Answer& answer)
     if (s.present[k] && s.residual[k].rows() > 0 && s.n > 200)
       if (Rows r = rows_of(s, k); r.at.size() > 200) sensors.push_back(std::move(r));
   const Jitter jitter = most_likely(sensors);
-  if (jitter.gain_nats < kLeastNats) return;
+  // The field of a place may jump by itself: the magnetometer alone is no witness of the clock.
+  double witnessed = 0.0;
+  for (const Rows& r : sensors)
+    if (r.sensor != kMag) witnessed += gain_of(r, jitter.sd_s);
+  if (witnessed < kLeastNats) return;
   for (const Rows& r : sensors) {
     const double gain = gain_of(r, jitter.sd_s);
     if (gain < kContradiction || (gain > 3.0 && std::abs(memory_of(r)) > kWhite)) return;

@@ -15,8 +15,8 @@ namespace {
 constexpr double kNatsPerCoefficient = 2.0;
 constexpr double kNatsForTheName = 5.0;    // log of the number of laws
 constexpr double kNatsForTheWindow = 8.0;  // log of the number of windows
-constexpr double kLeastNetBeside = 3.0;    // in a sensor where something was found: what that leaves over is not noise
-constexpr double kLeastHeldOut = 1.0;      // nats on data not used for the fit
+constexpr double kLeastNetBeside = 3.0;  // beside something found, which leaves over what is no noise; and of a product
+constexpr double kLeastHeldOut = 1.0;    // nats on data not used for the fit
 constexpr double kLeastShareOfFirst = 0.02;       // the remainder of a large effect must not get a name of its own
 constexpr double kLeastShareBesideUnknown = 0.1;  // a product stands for the true law to that much only
 constexpr std::size_t kShortNamed = 6, kShortUnknown = 3, kShortBesideWalk = 3;
@@ -166,8 +166,10 @@ std::optional<Found> next_effect(const Signals& s, SensorSearch& search) {
   std::optional<Found> best = best_explanation(refined, s.current_A.size() > 0);
   if (best) best = adequate(s, search, judge, std::move(*best));
   const double least_share = search.has_unknown() ? kLeastShareBesideUnknown : kLeastShareOfFirst;
-  const double least = search.first_gain > 0 ? kLeastNetBeside : kLeastNet;
-  if (!best || best->net_nats < least || best->gain_nats < least_share * search.first_gain) return std::nullopt;
+  if (!best) return std::nullopt;
+  const bool free_form = best->id.starts_with("unknown:");  // there are more products than laws
+  const double least = search.first_gain > 0 || free_form ? kLeastNetBeside : kLeastNet;
+  if (best->net_nats < least || best->gain_nats < least_share * search.first_gain) return std::nullopt;
   best->rivals = std::move(ranking);
   SensorSearch with = search;
   add_to(with, *best);
