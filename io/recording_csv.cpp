@@ -10,81 +10,19 @@
 #include <filesystem>
 #include <fstream>
 
+#include "io/recording_columns.h"
+
 namespace stillpoint::io {
 namespace {
 
 constexpr std::size_t kMostMessages = 10;
 constexpr double kGapOverMedianStep = 2.5;
 
-struct Row {
-  double time = kMissing;  // in the unit of the time column; kept apart, an int64 of ns is made of it
-  double acc[3], gyr[3], mag[3], q[4], p[3];
-  double temp, current, supply, moving;
-  void clear() {
-    auto* first = &acc[0];
-    std::fill(first, &moving + 1, kMissing);
-    time = kMissing;
-  }
-};
-static_assert(sizeof(Row) == 21 * sizeof(double), "clear() fills the row as one run of doubles");
-
 /// Where a column's number goes, and what it is multiplied with on the way.
 struct Column {
-  double* (*slot)(Row&) = nullptr;
+  std::optional<std::size_t> field;
   double to_si = 1.0;
 };
-
-struct Known {
-  const char* name;
-  double to_si;
-  double* (*slot)(Row&);
-  int group;  // which triad or single column, for the completeness check
-};
-
-enum Group { kTime, kAccG, kGyrG, kMagG, kTempG, kCurrentG, kSupplyG, kRefQ, kRefP, kMoving, kGroups };
-constexpr std::array<int, kGroups> kGroupSize{1, 3, 3, 3, 1, 1, 1, 4, 3, 1};
-constexpr std::array<const char*, kGroups> kGroupName{
-    "time_s",    "acc_x/y/z_mps2", "gyr_x/y/z_radps", "mag_x/y/z_uT",   "temp_degC",
-    "current_A", "supply_V",       "ref_qw/qx/qy/qz", "ref_px/py/pz_m", "ref_moving"};
-
-#define SP_TRIAD(sensor, member, suffix, factor, group)                                       \
-  {sensor "_x_" suffix, factor, [](Row& r) -> double* { return &r.member[0]; }, group},       \
-      {sensor "_y_" suffix, factor, [](Row& r) -> double* { return &r.member[1]; }, group}, { \
-    sensor "_z_" suffix, factor, [](Row& r) -> double* { return &r.member[2]; }, group        \
-  }
-
-constexpr double kG = 9.80665;
-constexpr double kDeg = 0.017453292519943295;
-const std::vector<Known>& known_columns() {
-  static const std::vector<Known> columns{
-      {"time_s", 1e9, [](Row& r) { return &r.time; }, kTime},
-      {"time_ms", 1e6, [](Row& r) { return &r.time; }, kTime},
-      {"time_us", 1e3, [](Row& r) { return &r.time; }, kTime},
-      {"time_ns", 1.0, [](Row& r) { return &r.time; }, kTime},
-      SP_TRIAD("acc", acc, "mps2", 1.0, kAccG),
-      SP_TRIAD("acc", acc, "g", kG, kAccG),
-      SP_TRIAD("acc", acc, "counts", 1.0, kAccG),
-      SP_TRIAD("gyr", gyr, "radps", 1.0, kGyrG),
-      SP_TRIAD("gyr", gyr, "dps", kDeg, kGyrG),
-      SP_TRIAD("gyr", gyr, "counts", 1.0, kGyrG),
-      SP_TRIAD("mag", mag, "uT", 1.0, kMagG),
-      SP_TRIAD("mag", mag, "gauss", 100.0, kMagG),
-      SP_TRIAD("mag", mag, "T", 1e6, kMagG),
-      SP_TRIAD("mag", mag, "counts", 1.0, kMagG),
-      {"temp_degC", 1.0, [](Row& r) { return &r.temp; }, kTempG},
-      {"current_A", 1.0, [](Row& r) { return &r.current; }, kCurrentG},
-      {"supply_V", 1.0, [](Row& r) { return &r.supply; }, kSupplyG},
-      {"ref_qw", 1.0, [](Row& r) { return &r.q[0]; }, kRefQ},
-      {"ref_qx", 1.0, [](Row& r) { return &r.q[1]; }, kRefQ},
-      {"ref_qy", 1.0, [](Row& r) { return &r.q[2]; }, kRefQ},
-      {"ref_qz", 1.0, [](Row& r) { return &r.q[3]; }, kRefQ},
-      {"ref_px_m", 1.0, [](Row& r) { return &r.p[0]; }, kRefP},
-      {"ref_py_m", 1.0, [](Row& r) { return &r.p[1]; }, kRefP},
-      {"ref_pz_m", 1.0, [](Row& r) { return &r.p[2]; }, kRefP},
-      {"ref_moving", 1.0, [](Row& r) { return &r.moving; }, kMoving},
-  };
-  return columns;
-}
 
 std::string_view strip(std::string_view s) {
   const auto first = s.find_first_not_of(" \t\r");
@@ -150,8 +88,8 @@ class Parser {
   }
 
   Result<void> read_columns(std::string_view line) {
-    std::array<int, kGroups> seen{};
-    std::array<std::string, kGroups> suffix;
+    std::array<std::size_t, kColumnGroups> seen{};
+    std::array<std::string_view, kColumnGroups> unit;
     std::string faults;
     const auto add_fault = [&](std::size_t column, const std::string& what) {
       faults += fmt::format("{}{}:{}:{}: {}", faults.empty() ? "" : "\n", name_, line_, column, what);
@@ -160,40 +98,35 @@ class Parser {
     while (start <= line.size()) {
       const std::size_t end = std::min(line.find(',', start), line.size());
       const std::string name(strip(line.substr(start, end - start)));
-      const auto& known = known_columns();
-      const auto it = std::find_if(known.begin(), known.end(), [&](const Known& k) { return name == k.name; });
-      if (it == known.end()) {
+      const auto known = known_column(name);
+      if (!known) {
         columns_.push_back({});
         out_.issues.unknown_columns.push_back(name);
       } else {
-        const auto group = static_cast<std::size_t>(it->group);
         if (std::find(names_.begin(), names_.end(), name) != names_.end())
           add_fault(start + 1, fmt::format("column '{}' stands twice; remove one", name));
         names_.push_back(name);
-        columns_.push_back({it->slot, it->to_si});
-        ++seen[group];
-        if (group >= kAccG && group <= kMagG) {
-          const std::string unit = name.substr(name.rfind('_') + 1);
-          if (!suffix[group].empty() && suffix[group] != unit)
-            add_fault(start + 1, fmt::format("column '{}' is in {}, the axis before it in {}; one sensor has one unit",
-                                             name, unit, suffix[group]));
-          suffix[group] = unit;
-        }
+        columns_.push_back({known->field, known->to_si});
+        const std::size_t group = known->group;
+        if (seen[group]++ > 0 && group != kTimeGroup && unit[group] != known->unit)
+          add_fault(start + 1, fmt::format("column '{}' is in {}, the axis before it in {}; one sensor has one unit",
+                                           name, known->unit, unit[group]));
+        unit[group] = known->unit;
       }
       start = end + 1;
     }
-    if (seen[kTime] == 0) add_fault(1, "no time column; expected one of time_s, time_ms, time_us, time_ns");
-    if (seen[kTime] > 1) add_fault(1, "more than one time column; keep one");
-    for (std::size_t g = kAccG; g < kGroups; ++g)
-      if (seen[g] != 0 && seen[g] != kGroupSize[g])
-        add_fault(1, fmt::format("only {} of the {} columns {}; all or none", seen[g], kGroupSize[g], kGroupName[g]));
-    if (seen[kAccG] + seen[kGyrG] + seen[kMagG] == 0)
+    if (seen[kTimeGroup] == 0) add_fault(1, "no time column; expected one of time_s, time_ms, time_us, time_ns");
+    if (seen[kTimeGroup] > 1) add_fault(1, "more than one time column; keep one");
+    for (std::size_t g = kAccGroup; g < kColumnGroups; ++g)
+      if (const auto& group = kColumnGroupInfo[g]; seen[g] != 0 && seen[g] != group.size)
+        add_fault(1, fmt::format("only {} of the {} columns {}; all or none", seen[g], group.size, group.names));
+    if (seen[kAccGroup] + seen[kGyrGroup] + seen[kMagGroup] == 0)
       add_fault(1, "no sensor columns; expected acc_x_mps2, gyr_x_radps or mag_x_uT and their axes");
     if (!faults.empty()) return fail(ErrorKind::kBadData, faults);
-    for (std::size_t g = 0; g < kGroups; ++g) present_[g] = seen[g] > 0;
-    out_.acc_in_counts = suffix[kAccG] == "counts";
-    out_.gyr_in_counts = suffix[kGyrG] == "counts";
-    out_.mag_in_counts = suffix[kMagG] == "counts";
+    for (std::size_t g = 0; g < kColumnGroups; ++g) present_[g] = seen[g] > 0;
+    out_.acc_in_counts = unit[kAccGroup] == "counts";
+    out_.gyr_in_counts = unit[kGyrGroup] == "counts";
+    out_.mag_in_counts = unit[kMagGroup] == "counts";
     return {};
   }
 
@@ -206,7 +139,7 @@ class Parser {
   void read_row(std::string_view line, bool ended) {
     if (!line.empty() && line.back() == '\r') line.remove_suffix(1);
     if (line.empty() || line[0] == '#') return;
-    row_.clear();
+    row_.fill(kMissing);
     std::size_t start = 0;
     std::int64_t t_ns = 0;
     bool time_read = false;
@@ -214,21 +147,21 @@ class Parser {
       if (start > line.size()) return cut_or_malformed(ended, c);
       const std::size_t end = std::min(line.find(',', start), line.size());
       const std::string_view text = strip(line.substr(start, end - start));
-      if (columns_[c].slot != nullptr && !text.empty()) {
+      if (columns_[c].field && !text.empty()) {
         double value = 0.0;
         const auto [stop, code] = std::from_chars(text.data(), text.data() + text.size(), value);
         if (code == std::errc::invalid_argument || stop != text.data() + text.size()) {
           if (!ended) return cut_or_malformed(ended, c);
           return malformed(start + 1, fmt::format("'{}' is not a number", text.substr(0, 40)));
         }
-        double* slot = columns_[c].slot(row_);
+        const std::size_t field = *columns_[c].field;
         if (!std::isfinite(value) || code == std::errc::result_out_of_range) {
           out_.issues.not_finite.note(line_);
-        } else if (slot == &row_.time) {
+        } else if (field == kColumnGroupInfo[kTimeGroup].first) {
           if (!parse_time(text, columns_[c].to_si, value, t_ns)) return malformed(start + 1, "time out of range");
           time_read = true;
         } else {
-          *slot = value * columns_[c].to_si;
+          row_[field] = value * columns_[c].to_si;
         }
       }
       start = end + 1;
@@ -266,15 +199,19 @@ class Parser {
     if (!out_.t_ns.empty() && t_ns < out_.t_ns.back()) return out_.issues.backward_time.note(line_);
     out_.t_ns.push_back(t_ns);
     lines_.push_back(line_);
-    if (present_[kAccG]) out_.acc_mps2.emplace_back(row_.acc[0], row_.acc[1], row_.acc[2]);
-    if (present_[kGyrG]) out_.gyr_radps.emplace_back(row_.gyr[0], row_.gyr[1], row_.gyr[2]);
-    if (present_[kMagG]) out_.mag_uT.emplace_back(row_.mag[0], row_.mag[1], row_.mag[2]);
-    if (present_[kTempG]) out_.temp_degC.push_back(row_.temp);
-    if (present_[kCurrentG]) out_.current_A.push_back(row_.current);
-    if (present_[kSupplyG]) out_.supply_V.push_back(row_.supply);
-    if (present_[kRefQ]) out_.ref_q_world_body.emplace_back(row_.q[0], row_.q[1], row_.q[2], row_.q[3]);
-    if (present_[kRefP]) out_.ref_position_m.emplace_back(row_.p[0], row_.p[1], row_.p[2]);
-    if (present_[kMoving]) out_.ref_moving.push_back(row_.moving);
+    const auto at = [this](ColumnGroup group, std::size_t k = 0) { return row_[kColumnGroupInfo[group].first + k]; };
+    const auto triad = [&](ColumnGroup group) { return Eigen::Vector3d(at(group, 0), at(group, 1), at(group, 2)); };
+    if (present_[kAccGroup]) out_.acc_mps2.push_back(triad(kAccGroup));
+    if (present_[kGyrGroup]) out_.gyr_radps.push_back(triad(kGyrGroup));
+    if (present_[kMagGroup]) out_.mag_uT.push_back(triad(kMagGroup));
+    if (present_[kTempGroup]) out_.temp_degC.push_back(at(kTempGroup));
+    if (present_[kCurrentGroup]) out_.current_A.push_back(at(kCurrentGroup));
+    if (present_[kSupplyGroup]) out_.supply_V.push_back(at(kSupplyGroup));
+    if (present_[kRefAttitudeGroup])
+      out_.ref_q_world_body.emplace_back(at(kRefAttitudeGroup, 0), at(kRefAttitudeGroup, 1), at(kRefAttitudeGroup, 2),
+                                         at(kRefAttitudeGroup, 3));
+    if (present_[kRefPositionGroup]) out_.ref_position_m.push_back(triad(kRefPositionGroup));
+    if (present_[kRefMovingGroup]) out_.ref_moving.push_back(at(kRefMovingGroup));
   }
 
   void find_gaps() {
@@ -293,9 +230,9 @@ class Parser {
   std::size_t line_ = 0;
   std::vector<Column> columns_;
   std::vector<std::string> names_;
-  std::array<bool, kGroups> present_{};
+  std::array<bool, kColumnGroups> present_{};
   std::vector<std::size_t> lines_;
-  Row row_{};
+  RecordingRow row_{};
   Recording out_;
 };
 
