@@ -21,7 +21,7 @@ chroot "$chroot_folder" bash -eu -c '
   dpkg --add-architecture arm64
   apt-get update -q
   apt-get install -y -q --no-install-recommends cmake ninja-build python3 g++-aarch64-linux-gnu qemu-user \
-    libeigen3-dev nlohmann-json3-dev libexpected-dev libyaml-cpp-dev:arm64 libfmt-dev:arm64 libgtest-dev:arm64 libgmock-dev:arm64
+    libeigen3-dev nlohmann-json3-dev libexpected-dev libyaml-cpp-dev:arm64 libfmt-dev:arm64 libssl-dev:arm64 libgtest-dev:arm64 libgmock-dev:arm64
   cd /src/stillpoint
   cmake --preset arm64
   cmake --build --preset arm64

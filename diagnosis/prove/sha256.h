@@ -1,4 +1,4 @@
-/// SHA-256 (FIPS 180-4), for sealing the truth of a case before it is solved.
+/// SHA-256 (OpenSSL), for sealing the truth of a case before it is solved.
 #pragma once
 #include <string>
 #include <string_view>
