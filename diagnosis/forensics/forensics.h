@@ -1,6 +1,6 @@
 /// Faults that show in the raw values themselves, before any statistics: values repeated exactly, values on a lattice,
 /// readings piled up at a rail, exact zeros. What is found here explains itself and mutes the samples it spoiled.
-/// Effects M9, T5, T7, A10/G9/M12 and T8 of docs/physics.md.
+/// Effects M9, T5, T7, A10/G9/M12 and T8 of docs/effects.md.
 #pragma once
 #include <array>
 #include <cstdint>

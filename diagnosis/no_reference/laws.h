@@ -1,4 +1,4 @@
-/// The laws of docs/physics.md that gyroscope, magnetometer and rest windows can witness without a reference.
+/// The laws of docs/effects.md that gyroscope, magnetometer and rest windows can witness without a reference.
 #pragma once
 #include <functional>
 #include <memory>

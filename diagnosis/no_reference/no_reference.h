@@ -1,6 +1,6 @@
 /// Diagnosis of a recording that has no reference orientation. Gyroscope and magnetometer watch each other and the
 /// moments of rest: at rest the true rate is zero, gravity shows the tilt, and the field stands still in the world
-/// while the integrated gyro turns it in the body. What remains is explained by the laws of docs/physics.md or by none.
+/// while the integrated gyro turns it in the body. What remains is explained by the laws of docs/effects.md or by none.
 /// The accelerometer has no witness here: the verdict on it is "insufficient data", with what to record.
 #pragma once
 #include <string>

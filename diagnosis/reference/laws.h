@@ -1,4 +1,4 @@
-/// The hypotheses: what each effect of docs/physics.md predicts for one sensor's residual, as columns with units.
+/// The hypotheses: what each effect of docs/effects.md predicts for one sensor's residual, as columns with units.
 /// Each law is linear in its coefficients for a given `shape` (a time constant, a level); filters are refined apart
 /// (timing.h).
 #pragma once
