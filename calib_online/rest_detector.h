@@ -36,7 +36,7 @@ struct RestDetectorParams {
     return std::tuple{
         field("window_s", &P::window_s, in_range(0.2, 30.0), "length of a rest window"),
         field("acc_spread_mps2", &P::acc_spread_mps2, in_range(1e-4, 2.0),
-              "root of the sum of squares of the quarter means about their mean that is still rest, noise apart"),
+              "slow change of the specific force's quarter means that is still rest, noise apart"),
         field("gyr_spread_radps", &P::gyr_spread_radps, in_range(1e-5, 1.0), "the same for the angular rate"),
         field("vibration_mps2", &P::vibration_mps2, in_range(1e-3, 50.0), "rms of the specific force inside a window"),
         field("vibration_radps", &P::vibration_radps, in_range(1e-4, 10.0), "rms of the angular rate inside a window"),
@@ -115,9 +115,10 @@ class RestDetector {
     Mat3 cov = Mat3::Zero();         ///< of the mean
     Vec3 slope = Vec3::Zero();       ///< of the readings, 1/s
     double white_var = 0.0, power = 0.0;
-    double spread_sq = 0.0;        ///< sum of squares of the quarter means about their mean
+    double spread_sq = 0.0;        ///< slow change of the quarter means (R3)
     double spread_still_sq = 0.0;  ///< the same, de-rotated
     double spread_turn_sq = 0.0;   ///< the same, with the best steady turn removed
+    double spread_noise_sq = 0.0;  ///< what white noise alone gives them: 3 axes x 2 contrasts x var of a quarter mean
     double least_step = 0.0;
     int clipped = 0;
     bool constant = false;

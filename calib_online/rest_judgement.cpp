@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "calib_online/rest_detector.h"
+#include "calib_online/rest_rules.h"
 
 namespace stillpoint::calib {
 namespace {
@@ -81,19 +82,14 @@ RestDetector::Summary RestDetector::summarise(int which) const noexcept {
   s.power = std::max(0.0, (sq / s.n - mean_in_ref.cwiseProduct(mean_in_ref)).sum());
   s.white_var = steps > 0 ? step_sq.sum() / (6.0 * steps) : 0.0;  // mean over the axes of half the mean square step
   s.constant = steps > 0 && step_sq.maxCoeff() == 0.0;
-  for (std::size_t q = 0; q < kQuarters; ++q) {
-    s.spread_sq += (mean[q] - s.mean).squaredNorm();
-    s.spread_still_sq += (mean_ref[q] - mean_in_ref).squaredNorm();
-  }
-  // Least squares over four equally spaced quarters: sum c_q m_q / (5 T_q), c = -1.5, -0.5, 0.5, 1.5.
-  const double quarter_s = params_.window_s / kQuarters;
-  s.slope = (1.5 * (mean[3] - mean[0]) + 0.5 * (mean[2] - mean[1])) / (5.0 * quarter_s);
+  const SlowChange change(mean);
+  s.spread_sq = change.squared();
+  s.spread_still_sq = SlowChange(mean_ref).squared();
   // A steady turn moves the reading across itself, never along: that part of the slope is taken out.
-  const Vec3 across = s.slope - s.mean * (s.mean.dot(s.slope) / std::max(1e-12, s.mean.squaredNorm()));
-  for (std::size_t q = 0; q < kQuarters; ++q) {
-    const double t_s = (static_cast<double>(q) - 1.5) * quarter_s;
-    s.spread_turn_sq += (mean[q] - s.mean - t_s * across).squaredNorm();
-  }
+  const double along = s.mean.dot(change.slope);
+  s.spread_turn_sq = along * along / std::max(1e-12, s.mean.squaredNorm()) + change.curvature.squaredNorm();
+  s.spread_noise_sq = 6.0 * s.white_var / (0.25 * s.n);
+  s.slope = change.slope / (std::sqrt(5.0) * params_.window_s / kQuarters);  // least squares over the four quarters
   // Covariance of the mean from block means: correlated noise and vibration are inside, which sigma^2/n would miss.
   int blocks = 0;
   for (const auto& quarter : quarters_) {
@@ -133,9 +129,7 @@ Refusal RestDetector::judge_force(Evidence& e, const CalibrationSnapshot& calibr
   if ((e.stuck & kAcc) != 0) return Refusal::kStuck;
   if (acc.power > params_.vibration_mps2 * params_.vibration_mps2) return Refusal::kVibrating;
   if (gyr.n > 0 && gyr.power > params_.vibration_radps * params_.vibration_radps) return Refusal::kVibrating;
-  // White noise alone gives the spread an expectation of 3 axes x 3 degrees of freedom x variance of a quarter mean.
-  const double noise = 9.0 * acc.white_var / (0.25 * acc.n);
-  const double limit = params_.acc_spread_mps2 * params_.acc_spread_mps2 + noise;
+  const double limit = params_.acc_spread_mps2 * params_.acc_spread_mps2 + acc.spread_noise_sq;
   e.use_still = gyr.n > 0 && acc.spread_still_sq < acc.spread_sq;
   const bool still = acc.spread_sq <= limit;
   const bool still_turned = e.use_still && acc.spread_still_sq <= limit && gyr.mean.norm() < kSlowTurn_radps;
@@ -152,8 +146,8 @@ Refusal RestDetector::judge_rate(Evidence& e, const CalibrationSnapshot& calibra
   const Summary& acc = e.triad[kAccIndex];
   const Summary& gyr = e.triad[kGyrIndex];
   const double limit_gyr = params_.gyr_spread_radps * params_.gyr_spread_radps;
-  if (gyr.n > 0 && gyr.spread_sq > limit_gyr + 9.0 * gyr.white_var / (0.25 * gyr.n)) return Refusal::kSwaying;
-  const double limit_acc = params_.acc_spread_mps2 * params_.acc_spread_mps2 + 9.0 * acc.white_var / (0.25 * acc.n);
+  if (gyr.n > 0 && gyr.spread_sq > limit_gyr + gyr.spread_noise_sq) return Refusal::kSwaying;
+  const double limit_acc = params_.acc_spread_mps2 * params_.acc_spread_mps2 + acc.spread_noise_sq;
   const bool turning = turns(e);
   if (turning || acc.spread_sq > limit_acc || rate_beyond_known_bias(e, calibration)) return Refusal::kTurning;
   return Refusal::kNone;

@@ -1,6 +1,5 @@
 #include "calib_online/rest_rules.h"
 
-#include <array>
 #include <cmath>
 
 #include "core/so3.h"
@@ -42,6 +41,9 @@ std::array<Vec3, 4> turned_quarters(std::span<const MotionSample> window, double
 
 }  // namespace
 
+SlowChange::SlowChange(const std::array<Vec3, 4>& m) noexcept
+    : slope((3.0 * (m[3] - m[0]) + (m[2] - m[1])) / std::sqrt(20.0)), curvature(0.5 * (m[0] - m[1] - m[2] + m[3])) {}
+
 double coefficient_of_variation(std::span<const MotionSample> window, double counts_per_g,
                                 double zero_counts) noexcept {
   double sum = 0.0, sq = 0.0;
@@ -70,18 +72,7 @@ double shoe(std::span<const MotionSample> window, double gravity_mps2, double ac
 }
 
 double derotated_quarters(std::span<const MotionSample> window, double dt_s) noexcept {
-  const auto quarter = turned_quarters(window, dt_s);
-  const Vec3 mean = 0.25 * (quarter[0] + quarter[1] + quarter[2] + quarter[3]);
-  double sum = 0.0;
-  for (const Vec3& q : quarter) sum += (q - mean).squaredNorm();
-  return sum;
-}
-
-double derotated_quarters_with_gravity(std::span<const MotionSample> window, double dt_s,
-                                       double gravity_mps2) noexcept {
-  // sum |q - g m/|m||^2 = sum |q - m|^2 + 4 (|m| - g)^2 with m the mean of the quarters.
-  const double off = derotated_mean(window, dt_s).norm() - gravity_mps2;
-  return derotated_quarters(window, dt_s) + 4.0 * off * off;
+  return SlowChange(turned_quarters(window, dt_s)).squared();
 }
 
 Vec3 derotated_mean(std::span<const MotionSample> window, double dt_s) noexcept {

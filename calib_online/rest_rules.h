@@ -2,11 +2,20 @@
 /// is rest. After Gietzelt et al., section 2.4 [coefficient of variation]; Skog, Handel, Nilsson, Rantakokko,
 /// "Zero-velocity detection - an algorithm evaluation", IEEE TBME 2010, eq. (15) [SHOE/GLRT]; docs/math/rest.md, R1-R3.
 #pragma once
+#include <array>
 #include <span>
 
 #include "core/types.h"
 
 namespace stillpoint::calib {
+
+/// How four quarter means in a row change, in an orthonormal basis: R3. The third contrast is left out. A motion that
+/// shows there and not here has more than one period inside the window: its mean, which is what harms, is near zero.
+struct SlowChange {
+  Vec3 slope, curvature;  ///< unit of the means
+  explicit SlowChange(const std::array<Vec3, 4>& means) noexcept;
+  [[nodiscard]] double squared() const noexcept { return slope.squaredNorm() + curvature.squaredNorm(); }
+};
 
 struct MotionSample {
   Vec3 acc_mps2 = Vec3::Zero();
@@ -22,12 +31,8 @@ struct MotionSample {
 /// Mean of |f - g f/|f||^2 / sd_acc^2 + |w|^2 / sd_gyr^2.
 [[nodiscard]] double shoe(std::span<const MotionSample> window, double gravity_mps2, double acc_sd,
                           double gyr_sd) noexcept;
-/// Sum of squares of the quarter means about their mean after de-rotation to the middle, (m/s^2)^2.
+/// Slow change of the quarter means after de-rotation to the middle, (m/s^2)^2.
 [[nodiscard]] double derotated_quarters(std::span<const MotionSample> window, double dt_s) noexcept;
-/// The same against one vector of gravity's length, R3 as a likelihood ratio. Only for a sensor whose calibration is
-/// known better than what is looked for: else it keeps what agrees with a wrong calibration.
-[[nodiscard]] double derotated_quarters_with_gravity(std::span<const MotionSample> window, double dt_s,
-                                                     double gravity_mps2) noexcept;
 /// The de-rotated mean itself, at the middle of the window.
 [[nodiscard]] Vec3 derotated_mean(std::span<const MotionSample> window, double dt_s) noexcept;
 

@@ -49,8 +49,9 @@ TEST(CalibrationFigures, TheAngleBetweenTriads) {
 
 TEST(CalibrationFigures, TheRestRules) {
   Figures f = rest_detection();
-  EXPECT_GE(f.at("quarters.kept_percent"), 60.0);  // 64.4 is stated, 65 the goal, 3.7 the spread over the seeds
-  EXPECT_GE(f.at("quarters_calibrated.kept_percent"), 65.0);
+  EXPECT_GE(f.at("quarters.kept_percent") - 2 * f.at("quarters.standard_error"), 65.0);
+  EXPECT_GE(f.at("detector.kept_percent"), 45.0);  // its limits err on the safe side
+  EXPECT_LE(f.at("detector.false_percent"), 5.0);
   EXPECT_GE(f.at("quarters.kept_percent"), 1.5 * f.at("paper.kept_percent"));
 }
 
