@@ -155,8 +155,13 @@ bool OnlineCalibrator::absorb_acc(const Window& w) noexcept {
   s_.last_direction = array(Vec3(x.normalized()));
   variance *= std::max(1.0, static_cast<double>(s_.same_direction) / kSameDirectionLimit);
 
+  // Inside a cell such windows share what the slope makes of its width: one unknown of the whole run.
+  const bool same_run = same && std::abs(w.temp_degC - s_.run_temp_degC) < 0.5 * params_.temperature_cells.spacing_K;
+  s_.run_windows = same_run ? s_.run_windows + 1 : 0;
+  if (!same_run) s_.run_temp_degC = w.temp_degC;
+
   const AccFilter::Innovation innovation = acc_innovation(x, w.temp_degC);
-  const double sd = std::sqrt(innovation.variance + variance);
+  const double sd = std::sqrt(innovation.variance + variance + slope_variance());
   const double ratio = std::abs(innovation.value) / sd;
   if (ratio > kGate) {
     if (++s_.acc_rejected_run < kRunToWiden) return false;
@@ -175,7 +180,7 @@ bool OnlineCalibrator::absorb_acc(const Window& w) noexcept {
   s_.factory_error = kErrorMemory * s_.factory_error + squared(x.squaredNorm() - 1.0);
   s_.learnt_error = kErrorMemory * s_.learnt_error + squared(innovation.value);
   s_.error_weight = kErrorMemory * s_.error_weight + 1.0;
-  learn_acc(x, w, variance * std::max(1.0, ratio / kHuber));
+  learn_acc(x, w, variance, std::max(1.0, ratio / kHuber));
   ++s_.acc_windows;
   publish_acc(w.temp_degC);
   return true;
@@ -191,23 +196,29 @@ void OnlineCalibrator::accelerometer_replaced() noexcept {
   snapshot_.acc.status = CalibrationStatus::kReplaced;
 }
 
-void OnlineCalibrator::learn_acc(const Vec3& x, const Window& w, double variance) noexcept {
+void OnlineCalibrator::learn_acc(const Vec3& x, const Window& w, double variance, double doubt) noexcept {
   if (model_ == TemperatureModel::kPolynomial) {
-    acc_.update(x, tau(w.temp_degC, factory_.acc), variance);
+    acc_.update(x, tau(w.temp_degC, factory_.acc), variance * doubt);
     return;
   }
+  // (T14): what the window adds to a run of windows that share the slope's error.
+  const double slope = slope_variance(), before = s_.run_windows;
+  const double information = variance / ((variance + before * slope) * (variance + (before + 1.0) * slope));
   const Mat3 to_x = mat(factory_.acc.matrix) / params_.gravity_mps2;
   cells_.add(x, Mat3(to_x * mat(w.acc_cov) * to_x.transpose()), w.temp_degC,
-             std::min(1.0, window_variance() / variance));
+             std::min(1.0, window_variance() * information / doubt));
 }
 
-/// Of 1 - d^T p in one window: the floor of its norm, and in a cell what the slope makes of half its width.
+/// Of 1 - d^T p: what the slope makes of the width of a cell.
+double OnlineCalibrator::slope_variance() const noexcept {
+  if (model_ != TemperatureModel::kCells) return 0.0;
+  const double across_mps2 = params_.accelerometer.bias_per_K_sd_mps2 * params_.temperature_cells.spacing_K;
+  return 4.0 * squared(across_mps2 / params_.gravity_mps2) / 12.0;
+}
+
+/// The same in one window of weight one: the floor of its norm and, in a cell, the slope.
 double OnlineCalibrator::window_variance() const noexcept {
-  const auto& a = params_.accelerometer;
-  const double across = model_ == TemperatureModel::kCells
-                            ? a.bias_per_K_sd_mps2 * params_.temperature_cells.spacing_K / std::sqrt(12.0)
-                            : 0.0;
-  return 4.0 * (squared(a.norm_floor_mps2) + squared(across)) / squared(params_.gravity_mps2);
+  return 4.0 * squared(params_.accelerometer.norm_floor_mps2 / params_.gravity_mps2) + slope_variance();
 }
 
 OnlineCalibrator::AccEstimate OnlineCalibrator::acc_estimate(double temp_degC) const noexcept {

@@ -62,7 +62,7 @@ class OnlineCalibrator {
 
   /// All that is learnt. Plain: written to disk and read back as it is.
   struct State {
-    static constexpr std::uint32_t kVersion = 3;
+    static constexpr std::uint32_t kVersion = 4;
     std::uint32_t version = kVersion;
     std::uint32_t bytes = 0;  ///< sizeof(State) of the writer
     AccFilter::State acc;
@@ -75,6 +75,8 @@ class OnlineCalibrator {
     std::uint8_t stuck = 0, clipped = 0;              ///< bits of SamplePart
     std::array<CalibrationStatus, 3> sound{};         ///< status of acc, gyr, mag but for stuck and clipped
     std::uint32_t acc_rejected_run = 0, gyr_rejected_run = 0, widenings = 0, same_direction = 0;
+    std::uint32_t run_windows = 0;  ///< before this one: a run in one direction and within half a cell
+    double run_temp_degC = 0.0;     ///< where it began
     double temp_min_degC = 0.0, temp_max_degC = 0.0;
     bool temp_known = false;
     Array3 last_direction{};
@@ -124,11 +126,13 @@ class OnlineCalibrator {
   enum class TemperatureModel : std::uint8_t { kNone, kCells, kPolynomial };
   /// The nine entries and their covariance at one temperature, by whichever model is chosen.
   using AccEstimate = TemperatureCells::Estimate;
+  [[nodiscard]] double slope_variance() const noexcept;
   [[nodiscard]] double window_variance() const noexcept;
   [[nodiscard]] AccEstimate acc_estimate(double temp_degC) const noexcept;
   [[nodiscard]] Vec9 acc_entries(double temp_degC) const noexcept;  ///< the same without its covariance
   [[nodiscard]] AccFilter::Innovation acc_innovation(const Vec3& x, double temp_degC) const noexcept;
-  void learn_acc(const Vec3& x, const Window& window, double variance) noexcept;
+  /// `doubt`: how many times larger an outlier's variance is (Huber).
+  void learn_acc(const Vec3& x, const Window& window, double variance, double doubt) noexcept;
   void publish_acc(double temp_degC) noexcept;
   void publish_gyr(double temp_degC) noexcept;
   void accelerometer_replaced() noexcept;

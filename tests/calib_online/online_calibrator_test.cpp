@@ -129,5 +129,31 @@ TEST(OnlineCalibrator, AnotherSensorIsNoticedAndLearntAnew) {
   EXPECT_LT((vec(acc.bias) - Vec3(-0.9, 0.8, 0.5)).norm(), 0.03);
 }
 
+/// Windows in a row in one attitude share what the slope of the bias makes of a temperature cell's width (T14).
+TEST(OnlineCalibrator, ARunInOneAttitudeTellsACellLessThanTheSameWindowsApart) {
+  std::vector<Vec3> up;  // the middles of a cube's edges: all nine numbers show
+  for (const double a : {-1.0, 1.0})
+    for (const double b : {-1.0, 1.0}) up.insert(up.end(), {Vec3(a, b, 0), Vec3(0, a, b), Vec3(b, 0, a)});
+  const auto norm_sd = [&](std::size_t in_a_row, bool cells) {
+    OnlineCalibratorParams params;
+    params.temperature_model = cells ? "cells" : "none";
+    params.accelerometer.wander_sd_mps2 = 1e-3;
+    OnlineCalibrator calibrator(params, CalibrationSnapshot{});
+    for (std::size_t k = 0; k < 120; ++k) {
+      Window w;
+      w.t_end_ns = static_cast<std::int64_t>(k + 1) * 60'000'000'000;
+      w.has = kAcc | kTemp;
+      w.temp_degC = 22.0;
+      w.acc_mps2 =
+          array(Vec3(kStandardGravity_mps2 * up[k / in_a_row % up.size()].normalized() + Vec3(0.1, 0.05, -0.08)));
+      w.acc_cov = array(Mat3(1e-6 * Mat3::Identity()));
+      calibrator.absorb(w);
+    }
+    return calibrator.snapshot().acc.norm_sd;
+  };
+  EXPECT_GT(norm_sd(10, true), 1.5 * norm_sd(1, true));
+  EXPECT_NEAR(norm_sd(10, false), norm_sd(1, false), 0.05 * norm_sd(1, false));  // without cells there is no slope
+}
+
 }  // namespace
 }  // namespace stillpoint::calib

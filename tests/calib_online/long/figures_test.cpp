@@ -31,7 +31,9 @@ TEST(CalibrationFigures, TheDayOfTemperature) {
   EXPECT_LT(f.at("polynomial.worse_percent"), 1.0);
   EXPECT_GE(f.at("polynomial.predicted_over_actual"), 0.7);
   EXPECT_LE(f.at("polynomial.predicted_over_actual"), 1.5);
-  EXPECT_LE(f.at("cells.acc_day3_mg"), 3.0);
+  EXPECT_LE(f.at("cells.acc_day3_mg"), 1.5);
+  EXPECT_GE(f.at("cells.predicted_over_actual"), 0.7);
+  EXPECT_LE(f.at("cells.predicted_over_actual"), 1.5);
   // The default is what this table favours.
   EXPECT_LT(f.at("polynomial.acc_day3_mg"), f.at("cells.acc_day3_mg"));
   EXPECT_LT(f.at("cells.acc_day3_mg"), f.at("forgetting of 1 h.acc_day3_mg"));
