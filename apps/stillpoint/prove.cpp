@@ -23,7 +23,7 @@ namespace fs = std::filesystem;
 
 struct Options {
   std::size_t cases = 60;
-  std::string salt = "stillpoint", folder, report;
+  std::string salt = "stillpoint", folder, report, only;
   bool quick = false, limits = false;
 };
 
@@ -77,7 +77,9 @@ void solve_all(const std::vector<Posed>& posed) {
 Result<std::vector<Posed>> draw(const Options& o, const fs::path& room) {
   std::vector<Posed> all;
   for (std::size_t i = 0; i < o.cases; ++i) {
-    diag::SealedCase c = o.limits ? diag::draw_limit_case(o.salt, i, o.quick) : diag::draw_case(o.salt, i, o.quick);
+    diag::SealedCase c = o.limits         ? diag::draw_limit_case(o.salt, i, o.quick)
+                         : o.only.empty() ? diag::draw_case(o.salt, i, o.quick)
+                                          : diag::draw_case_of(o.only, o.salt, i, o.quick);
     Posed p{.id = c.id,
             .hash = diag::seal(c.id, c.truth, c.nonce),
             .truth = std::move(c.truth),
@@ -181,6 +183,7 @@ void add_prove(CLI::App& app, Run& run) {
   static Options o;
   command->add_option("--cases", o.cases, "how many cases to draw; 60 unless given")->check(CLI::Range(1, 100000));
   command->add_option("--salt", o.salt, "the same salt draws the same cases");
+  command->add_option("--only", o.only, "draw cases of this kind alone")->check(CLI::IsMember(diag::kinds_of_cases()));
   command->add_option("--folder", o.folder,
                       "take cases made elsewhere: FOLDER/cases/NNN.csv, NNN.yaml and FOLDER/truth/NNN.json");
   command->add_option("--report", o.report, "write the tables, seals and truths as a page (.html)");

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <random>
+#include <set>
 
 #include "diagnosis/prove/prove.h"
 #include "diagnosis/prove/sha256.h"
@@ -17,6 +18,7 @@ using Range = std::array<double, 2>;
 constexpr Range kDPrime{12.0, 120.0}, kWeakDPrime{2.5, 14.0};
 constexpr double kBadPart = 5.0;  // times the upper end of the usual sizes
 constexpr int kMostDraws = 30;
+constexpr std::size_t kSlots = 40;  // after so many cases the kinds repeat
 
 /// Effects by how their size is set: scaled to a d', or drawn from the usual range of their parameters.
 const std::vector<std::string> kScaled{
@@ -140,7 +142,7 @@ Range range_of(const std::string& kind) { return kind == "limit" ? kWeakDPrime :
 std::string kind_of(std::size_t index) {
   // Of three in forty the library lacks the law, or an estimator has absorbed it.
   static const std::map<std::size_t, std::string> rare{{9, "deleted"}, {14, "absorb"}, {25, "deleted"}};
-  if (const auto at = rare.find(index % 40); at != rare.end()) return at->second;
+  if (const auto at = rare.find(index % kSlots); at != rare.end()) return at->second;
   // Twenty slots: three clean, three outside the library, the rest shared by the ways to conceal.
   static const std::vector<std::string> slots{"clean",  "single", "pair",   "novel",   "window", "single", "noref",
                                               "clean",  "cfgerr", "single", "novel",   "notemp", "pair",   "confound",
@@ -262,13 +264,13 @@ SealedCase draw_as(const std::string& kind, const std::string& salt, std::size_t
     if (all_can_be_seen(config, motion, seed, range_of(kind)[0])) break;
   }
   if (kind == "deleted") c.without = {config.effects[0].id};
-  c.truth.noise = index % 40 == 7 ? "coloured" : index % 40 == 16 ? "uneven" : "white";
+  c.truth.noise = index % kSlots == 7 ? "coloured" : index % kSlots == 16 ? "uneven" : "white";
   if (c.truth.noise == "coloured")
     for (auto* t : {&config.accelerometer, &config.gyroscope, &config.magnetometer}) (*t)->noise_band_hz = 8.0;
   if (c.truth.noise == "uneven")
     for (auto* t : {&config.accelerometer, &config.gyroscope, &config.magnetometer})
       (*t)->noise_axes = Vec3(1.0, 1.6, 0.8);
-  if (kind == "cfgerr" || (kind == "clean" && index % 40 == 20)) {
+  if (kind == "cfgerr" || (kind == "clean" && index % kSlots == 20)) {
     perturb(draw, *config.accelerometer, 0.05, 0.003);
     perturb(draw, *config.gyroscope, 0.002, 0.004);
     perturb(draw, *config.magnetometer, 0.8, 0.01);
@@ -295,6 +297,16 @@ SealedCase draw_as(const std::string& kind, const std::string& salt, std::size_t
 
 SealedCase draw_case(const std::string& salt, std::size_t index, bool quick) {
   return draw_as(kind_of(index), salt, index, quick);
+}
+
+SealedCase draw_case_of(const std::string& kind, const std::string& salt, std::size_t index, bool quick) {
+  return draw_as(kind, salt + "/" + kind, index, quick);
+}
+
+std::vector<std::string> kinds_of_cases() {
+  std::set<std::string> kinds;
+  for (std::size_t index = 0; index < kSlots; ++index) kinds.insert(kind_of(index));
+  return {kinds.begin(), kinds.end()};
 }
 
 SealedCase draw_limit_case(const std::string& salt, std::size_t index, bool quick) {

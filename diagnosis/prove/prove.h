@@ -47,6 +47,11 @@ void act_on_axes(std::map<std::string, std::vector<double>>& parameters, const s
 /// Case `index` of the proof with this salt: the same salt gives the same recording. `quick` halves the length.
 [[nodiscard]] SealedCase draw_case(const std::string& salt, std::size_t index, bool quick);
 
+/// The same, all of one kind of CaseTruth::kind: a large sample of what is rare in a whole proof.
+[[nodiscard]] SealedCase draw_case_of(const std::string& kind, const std::string& salt, std::size_t index, bool quick);
+/// The kinds that a whole proof draws.
+[[nodiscard]] std::vector<std::string> kinds_of_cases();
+
 /// A weak effect alone, of a size about the detection limit, for limit_tables().
 [[nodiscard]] SealedCase draw_limit_case(const std::string& salt, std::size_t index, bool quick);
 

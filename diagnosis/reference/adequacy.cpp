@@ -12,8 +12,6 @@ namespace {
 constexpr double kPlainOffsetNats = 6.0;
 constexpr double kArmsAgree = 0.95;  // three arms of the size effect that agree are one lever arm
 constexpr double kStepInBody = 0.4;  // of a soft step's gain
-constexpr const char* kArm = "unknown:dw/dt x r + w x (w x r)";
-constexpr const char* kLinearInTemperature = "unknown:(T-T0)";
 constexpr double kAdequateNats = 3.0, kAdequateShare = 0.02;
 constexpr double kFreeNats = 3.0, kFreeShare = 0.003;
 constexpr int kDegree = 4;  // of a free function: bends once more than any law of the catalogue
@@ -26,11 +24,9 @@ double adequate_within(const Found& law) {
   return std::max(twice * kAdequateNats, twice * kAdequateShare * law.gain_nats);
 }
 
-/// A law that holds a simpler form in itself has to need the rest of itself; where it does not, the simpler form is
-/// what was seen, whether the catalogue has it or not.
-const char* simpler_form(const std::string& id) {
-  if (id == "acc_size") return kArm;
-  return id.ends_with("_temp_quad") ? kLinearInTemperature : nullptr;
+/// What the recording cannot tell from `law`: as good as it but for chance.
+bool ties_with(const Found& other, const Found& law) {
+  return other.net_nats > law.net_nats - std::max(tie_nats(law.window), adequate_within(law));
 }
 
 /// The recorded or measured quantity that a law is a function of, times a vector where it has one.
@@ -91,19 +87,20 @@ Found free_function(const Driver& d, const Found& law) {
   return f;
 }
 
-}  // namespace
+/// The first of the sorted ones that holds; null: none.
+template <class Holds>
+const Found* first_of(const std::vector<Found>& sorted, const Holds& holds) {
+  const auto at = std::find_if(sorted.begin(), sorted.end(), holds);
+  return at == sorted.end() ? nullptr : &*at;
+}
 
-std::optional<Found> best_explanation(const std::vector<Found>& sorted, bool current_recorded) {
-  if (sorted.empty()) return std::nullopt;
+/// The best that is not beaten by what needs less belief.
+Found most_believable(const std::vector<Found>& sorted, bool current_recorded) {
   const Found& best = sorted.front();
-  const auto first = [&](const auto& holds) {
-    const auto at = std::find_if(sorted.begin(), sorted.end(), holds);
-    return at == sorted.end() ? nullptr : &*at;
-  };
+  const auto first = [&sorted](const auto& holds) { return first_of(sorted, holds); };
   if (best.kind == Kind::kUnknown) {
     const Found* named = first([](const Found& f) { return f.kind != Kind::kUnknown; });
     if (named == nullptr || best.net_nats >= named->net_nats + adequate_within(*named)) return best;
-    if (const char* simpler = simpler_form(named->id); simpler != nullptr && best.id == simpler) return best;
     return named->window.local && best.id == kPlainOffset ? best : *named;
   }
   if (best.kind == Kind::kNamed && best.window.local && !best.id.starts_with("mag_")) {
@@ -117,6 +114,16 @@ std::optional<Found> best_explanation(const std::vector<Found>& sorted, bool cur
   if (best.id == "acc_size") return instead("acc_lever", kArmsAgree);
   if (best.id == "mag_soft_step" && !current_recorded) return instead("mag_hard_step", kStepInBody);
   return best;
+}
+
+}  // namespace
+
+std::optional<Found> best_explanation(const std::vector<Found>& sorted, bool current_recorded) {
+  if (sorted.empty()) return std::nullopt;
+  Found best = most_believable(sorted, current_recorded);
+  if (best.kind == Kind::kUnknown) return best;
+  const Found* nameless = first_of(sorted, [](const Found& f) { return !f.form_of.empty(); });
+  return nameless != nullptr && ties_with(*nameless, best) ? *nameless : best;
 }
 
 Found adequate(const Signals& s, const SensorSearch& search, const Judge& judge, Found law) {

@@ -10,7 +10,8 @@ inline constexpr const char* kPlainOffset = "unknown:offset(t)";
 /// The best that is not beaten by what needs less belief: a name of the catalogue before a product of drivers that is
 /// no better, a plain offset before a law that is local in time and explains no more, the lever arm before the size
 /// effect that contains it, a body-fixed step before a soft one where the current that could switch it was not
-/// recorded. `sorted`: by net gain. None when there is none.
+/// recorded. A name that the recording cannot tell from a known form without a name gives way to that. `sorted`: by net
+/// gain. None when there is none.
 [[nodiscard]] std::optional<Found> best_explanation(const std::vector<Found>& sorted, bool current_recorded);
 
 /// `law`, or the free function of its driver that explains more than it does, and more than it does together with any

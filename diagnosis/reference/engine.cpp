@@ -9,10 +9,6 @@ namespace {
 constexpr int kMostEffects = 3;  // of one sensor
 constexpr double kClearNats = 3.0;
 
-bool holds(const std::vector<std::string>& list, const std::string& id) {
-  return std::find(list.begin(), list.end(), id) != list.end();
-}
-
 bool concerns_the_clock(const Found& f) {
   return f.kind == Kind::kTiming &&
          (f.id.find("delay") != std::string::npos || f.id == "sys_gap" || f.id == "sys_skew");
@@ -76,9 +72,7 @@ EngineResult search_all(const Signals& s, const std::vector<std::string>& withou
   std::array<bool, kSensors> open{};
   for (const Sensor k : {kAcc, kGyr, kMag}) {
     if (!s.present[k] || s.residual[k].rows() == 0) continue;
-    r.sensor[k] = start_search(s, k);
-    std::erase_if(r.sensor[k]->laws, [&without](const Law& law) { return holds(without, law.id); });
-    r.sensor[k]->deleted = without;
+    r.sensor[k] = start_search(s, k, without);
     open[k] = r.sensor[k]->target.layout.used() > 200;
   }
   for (int round = 0; round < kMostEffects; ++round) {

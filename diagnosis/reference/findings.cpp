@@ -13,8 +13,6 @@
 namespace stillpoint::diag {
 namespace {
 
-constexpr double kTieNats = 5.0;        // closer than this the recording cannot tell two names apart
-constexpr double kTieNatsLocal = 10.0;  // where each name has its own best window
 constexpr double kDriftNats = 12.0;
 constexpr double kLeastShareOfFirst = 0.02;
 constexpr double kConfigurationP = 1e-6;
@@ -77,8 +75,7 @@ void rivals_of(const Found& f, Finding& out) {
     if (r.id == f.id || r.id == "field_world" ||
         std::find(out.equivalent.begin(), out.equivalent.end(), r.id) != out.equivalent.end())
       continue;
-    const bool tie =
-        r.net_nats > ranked->net_nats - (f.window.local ? kTieNatsLocal : kTieNats) && r.id.rfind("unknown", 0) != 0;
+    const bool tie = r.net_nats > ranked->net_nats - tie_nats(f.window) && r.id.rfind("unknown", 0) != 0;
     if (tie && out.equivalent.size() < kMostEquivalent) {
       out.equivalent.push_back(r.id);
     } else if (!tie && out.runner_up_effect.empty()) {

@@ -32,7 +32,7 @@ void Judge::weigh(Found& f) const {
   if (walking_) best = std::max(best, likelihood(beside_walk_) - kWalkFreedom);
   f.gain_nats = best - null_;
   f.net_nats = f.gain_nats - charge(f.names.size(), f.window);
-  if (f.kind == Kind::kUnknown) f.net_nats -= kNatsForTheProduct;
+  if (f.kind == Kind::kUnknown && f.form_of.empty()) f.net_nats -= kNatsForTheProduct;
 }
 
 }  // namespace stillpoint::diag

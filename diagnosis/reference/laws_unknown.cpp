@@ -1,10 +1,12 @@
 #include <fmt/format.h>
 
+#include <map>
 #include <memory>
 
 #include "diagnosis/reference/columns.h"
 #include "diagnosis/reference/laws.h"
 #include "diagnosis/reference/separable.h"
+#include "simulation/effect_catalogue.h"
 
 namespace stillpoint::diag {
 namespace {
@@ -95,13 +97,20 @@ class Products {
     if (!s.temperature_K.size()) return;
     add_columns("dT/dt", [&s](double tau) { return on_each_axis(lagged_difference(s.temperature_K, s.dt_s, tau)); });
     laws_.back().shapes = {5.0, 15.0, 40.0};
+    laws_.back().shape_name = "tau";
+    laws_.back().shape_unit = "s";
   }
 
-  /// The arm of a rigid body: its nine products of rates go together or not at all.
-  void arm(const Signals& s) {
-    add_columns("dw/dt x r + w x (w x r)", [&s](double) {
-      return coupled({lever_column(s, 0), lever_column(s, 1), lever_column(s, 2)});
-    });
+  /// What depends on where the body is, or on its turning as a whole: products that go together or not at all.
+  void arm_and_place(const Signals& s) {
+    if (!s.has_position) return;
+    if (sensor_ == kAcc)
+      add_columns("dw/dt x r + w x (w x r)", [&s](double) {
+        return coupled({lever_column(s, 0), lever_column(s, 1), lever_column(s, 2)});
+      });
+    if (sensor_ != kMag) return;
+    add_columns("field(p)", [&s](double) { return gradient_columns(s); });
+    laws_.back().coefficients = entries("k");
   }
 
   /// An offset, one fixed in the world, a linear map, each there for a while and by no driver at all: the plain rivals
@@ -123,6 +132,7 @@ class Products {
   /// Temperature and supply do not stop acting in the middle of a recording; in a short window they would only stand
   /// for an offset.
   std::vector<Law> take() {
+    for (Law& law : laws_) law.form_of = known_form(law.id.substr(std::string("unknown:").size()));
     for (Law& law : laws_)
       for (const char* lasting : {"T", "V"})
         if (law.id.find(lasting) != std::string::npos) law.extent = Extent::kWhole;
@@ -130,6 +140,32 @@ class Products {
   }
 
  private:
+  /// The law of the catalogue with this form. Nature is as likely to use the form whether the library has its name or
+  /// not.
+  [[nodiscard]] std::string known_form(const std::string& form) const {
+    static constexpr std::array<const char*, kSensors> kOwn{"f", "w", "m"};
+    const std::string own = kOwn[sensor_];
+    const std::map<std::string, std::string> any{{"(T-T0)", "temp_lin"},
+                                                 {"(T-T0)*(T-T0)", "temp_quad"},
+                                                 {"dT/dt", "temp_lag"},
+                                                 {own + "*(T-T0)", "temp_scale"},
+                                                 {"(V-V0)", "volt"},
+                                                 {own + "^2", "quad"},
+                                                 {own + "^3", "cubic"},
+                                                 {"|" + own + "_i|", "asym"},
+                                                 {"I", "current"},
+                                                 {"f", "gsens"},
+                                                 {"offset(t)", "hard_step"},
+                                                 {"field(t)", "field_step"},
+                                                 {"m(t)", "soft_step"},
+                                                 {"field(p)", "gradient"},
+                                                 {"dw/dt x r + w x (w x r)", "lever"}};
+    const auto at = any.find(form);
+    if (at == any.end()) return {};
+    const std::string id = std::string(kSensorName[sensor_]) + "_" + at->second;
+    return id == "mag_cubic" ? "mag_sat" : sim::find_effect(id) != nullptr ? id : "";
+  }
+
   [[nodiscard]] std::string component(std::size_t v, int axis) const {
     return fmt::format("{}_{}", drivers_->vectors[v].name, kAxisName[static_cast<std::size_t>(axis)]);
   }
@@ -168,7 +204,7 @@ std::vector<Law> make_unknown_laws(const Signals& s, Sensor sensor) {
   products.vectors_and_vectors();
   products.own_vector();
   products.matrices_and_lags(s);
-  if (sensor == kAcc && s.has_position) products.arm(s);
+  products.arm_and_place(s);
   products.for_a_while(s);
   std::vector<Law> laws = products.take();
   drop_inseparable(s, sensor, laws);

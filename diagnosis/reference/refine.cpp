@@ -8,6 +8,7 @@ namespace {
 
 constexpr int kEdgeSteps = 5;
 constexpr double kEdgeReach_s = 1.0;
+constexpr const char* kStepsOfBaseline[] = {"mag_hard_step", "mag_soft_step", "unknown:offset(t)", "unknown:m(t)"};
 
 /// Where a gap of the fitted length begins, to the sample: the evidence summed up has its turning point there.
 Eigen::Index refine_gap(const Signals& s, const SensorSearch& search, const NoiseModel& noise, Eigen::Index begin) {
@@ -78,6 +79,13 @@ Window moved_edges(const Target& target, const Columns& explained, const Columns
   return out;
 }
 
+/// Bias and matrix are fitted beside every law: a step of theirs that is there from the start and ends is the opposite
+/// step that begins, and a recording starts as the simulation says.
+bool ends_as_it_begins(const Law& law) {
+  return std::any_of(std::begin(kStepsOfBaseline), std::end(kStepsOfBaseline),
+                     [&law](const char* id) { return law.id == id; });
+}
+
 }  // namespace
 
 Window refine_window(const Target& target, const Columns& explained, const Law& law, const Candidate& c,
@@ -90,6 +98,9 @@ Window refine_window(const Target& target, const Columns& explained, const Law& 
     if (static_cast<double>(moved.end - moved.begin) * target.dt_s < shortest_s(law.extent)) break;
     window = moved;
   }
+  const bool from_the_start = static_cast<double>(window.begin) * target.dt_s < kEdgeReach_s;
+  if (from_the_start && window.end < target.layout.n && ends_as_it_begins(law))
+    window = {true, window.end, target.layout.n};
   return window;
 }
 
@@ -104,6 +115,7 @@ Found found_from(const Law& law, const Candidate& c, Columns columns) {
   f.unit = law.unit;
   f.equation = law.equation;
   f.driver = law.driver;
+  f.form_of = law.form_of;
   f.names = law.coefficients;
   f.units.assign(law.coefficients.size(), law.unit);
   f.columns = std::move(columns);

@@ -21,6 +21,10 @@ constexpr double kLeastShareOfFirst = 0.02;       // the remainder of a large ef
 constexpr double kLeastShareBesideUnknown = 0.1;  // a product stands for the true law to that much only
 constexpr std::size_t kShortNamed = 6, kShortUnknown = 3, kShortBesideWalk = 3;
 
+bool holds(const std::vector<std::string>& list, const std::string& id) {
+  return std::find(list.begin(), list.end(), id) != list.end();
+}
+
 double net_of(const Candidate& c) { return c.gain_nats - charge(static_cast<std::size_t>(c.coefficients), c.window); }
 
 /// The first `count` laws: those of the catalogue come first.
@@ -124,12 +128,18 @@ NoiseModel scan_noise(const Target& target, const Columns& explained, const Eige
   return NoiseModel(target.layout, fit.leftover);
 }
 
-SensorSearch start_search(const Signals& s, Sensor sensor) {
+SensorSearch start_search(const Signals& s, Sensor sensor, const std::vector<std::string>& without) {
   SensorSearch search;
   search.sensor = sensor;
   search.target = make_target(s, sensor);
   search.laws = make_laws(s, sensor);
   search.unknown = make_unknown_laws(s, sensor);
+  search.deleted = without;
+  std::erase_if(search.laws, [&](const Law& law) { return holds(without, law.id); });
+  std::erase_if(search.unknown, [&](const Law& product) {
+    return std::any_of(search.laws.begin(), search.laws.end(),
+                       [&](const Law& law) { return law.id == product.form_of; });
+  });
   search.walk = walk_basis(s);
   search.t_s = s.t_s;
   return search;
@@ -143,12 +153,9 @@ std::optional<Found> next_effect(const Signals& s, SensorSearch& search) {
 
   search.target.walk.resize(0, 0);
   const bool responded = responds(search);
-  const auto is_deleted = [&](const std::string& id) {
-    return std::find(search.deleted.begin(), search.deleted.end(), id) != search.deleted.end();
-  };
   std::vector<Found> refined;
   if (!responded) refined = refine_timing(s, search, shortlist, noise);
-  if (const auto line = line_in(search); line && !is_deleted(line->id)) refined.push_back(*line);
+  if (const auto line = line_in(search); line && !holds(search.deleted, line->id)) refined.push_back(*line);
   for (Candidate c : shortlist) {
     const Law& law = search.law(c.law);
     if (law.kind == Kind::kTiming || (responded && is_response(law.id))) continue;

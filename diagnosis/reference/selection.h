@@ -24,6 +24,7 @@ struct Found {
   double shape = 0.0, shape_sd = 0.0;   ///< sd: where the shape was fitted apart
   std::map<std::string, double> fixed;  ///< numbers that belong to the effect and have no column, by key
   std::string shape_name, shape_unit, unit, equation, driver;
+  std::string form_of;  ///< as in Law: a form that is known, but not by a name of this library
   std::function<Columns(double shape)> at_shape;  ///< columns of a law with a time constant; empty: it has none
   std::vector<std::string> names, units;          ///< of the coefficients
   Columns columns;                                ///< linear part: the law's columns, or the tangent of a timing law
@@ -56,10 +57,15 @@ struct SensorSearch {
 /// What a name has to gain beyond the freedom of the search before it is stated.
 inline constexpr double kLeastNet = 1.5;
 
+/// Closer than this the recording cannot tell two explanations apart; where each has its own best window, twice that.
+[[nodiscard]] inline double tie_nats(const Window& window) { return window.local ? 10.0 : 5.0; }
+
 /// The freedom of the search in nats: coefficients, the choice among laws, a window in time.
 [[nodiscard]] double charge(std::size_t coefficients, const Window& window);
 
-[[nodiscard]] SensorSearch start_search(const Signals& s, Sensor sensor);
+/// `without`: names that are not in the library this time. Of the products, those that are a law of the library under
+/// another name are left out.
+[[nodiscard]] SensorSearch start_search(const Signals& s, Sensor sensor, const std::vector<std::string>& without = {});
 
 /// The best next effect, or none when nothing is worth its charge.
 [[nodiscard]] std::optional<Found> next_effect(const Signals& s, SensorSearch& search);

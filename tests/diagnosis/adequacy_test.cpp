@@ -29,7 +29,9 @@ INSTANTIATE_TEST_SUITE_P(Adequacy, LawDeleted,
                          testing::Values(Deleted{"gyr_temp_lin", "k_radps_per_K", {3e-4, -2e-4, 1e-4}},
                                          Deleted{"acc_lever", "r_m", {0.02, -0.015, 0.01}},
                                          Deleted{"acc_cubic", "k3_per_mps2_2", {2e-5, -2e-5, 1e-5}},
+                                         Deleted{"gyr_temp_quad", "k2_radps_per_K2", {5e-5, 1e-5, 9e-5}},
                                          Deleted{"mag_field_step", "b_world_uT", {1.0, -0.7, 0.5}},
+                                         Deleted{"mag_gradient", "G_uT_per_m", {3, 1, 0.1, 1, 2, -0.4, 0.1, -0.4, -5}},
                                          Deleted{"mag_current", "k_uT_per_A", {0.5, -0.4, 0.3}}));
 
 TEST_P(LawDeleted, IsAnsweredAsUnknownAndNotByItsNeighbour) {
@@ -42,6 +44,18 @@ TEST_P(LawDeleted, IsAnsweredAsUnknownAndNotByItsNeighbour) {
   const auto without = names(diagnose(recording, config, {law.id}));
   ASSERT_FALSE(without.empty());
   EXPECT_THAT(without, testing::Each(testing::StartsWith("unknown:")));
+}
+
+/// Over a warm-up of a minute the lag behind the temperature is its square but for a few nats.
+TEST(Adequacy, ALagThatIsNotInTheLibraryIsNotCalledASquare) {
+  const auto config = warm("exact");
+  for (const std::uint64_t seed : {31, 32, 33}) {
+    const auto recording =
+        record(config, "gyr_temp_lag", {{"k_radps_per_K", {2e-4, -3e-4, 1e-4}}, {"tau_s", {25.0}}}, seed);
+    const Answer answer = diagnose(recording, config, {"gyr_temp_lag"});
+    ASSERT_FALSE(answer.diagnosis.findings.empty());
+    EXPECT_THAT(answer.diagnosis.findings[0].effect, testing::StartsWith("unknown:")) << seed;
+  }
 }
 
 class LawAdequate : public testing::TestWithParam<std::string> {};

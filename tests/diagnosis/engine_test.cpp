@@ -74,6 +74,20 @@ TEST(Engine, LocatesAStepOfTheHardIronToTheTenthOfASecond) {
   EXPECT_NEAR(answer.diagnosis.findings[0].interval_s[0], 47.3, 0.1);
 }
 
+/// Bias and matrix are free, so what begins late might as well have been there before with the other sign.
+TEST(Engine, AStepChangesWhatComesAfterItAndNotWhatCameBefore) {
+  auto config = baseline("exact", 60.0);
+  for (const double t0 : {15.0, 45.0}) {
+    const test::Parameters step{{"M", {0.01, 0.004, -0.003, 0.0, -0.012, 0.005, 0.004, 0.0, 0.009}}, {"t0_s", {t0}}};
+    const Answer answer = diagnose(record(config, "mag_soft_step", step, 12), config);
+    ASSERT_THAT(names(answer), testing::ElementsAre("mag_soft_step"));
+    const Finding& f = answer.diagnosis.findings[0];
+    EXPECT_NEAR(f.interval_s[0], t0, 0.1);
+    EXPECT_NEAR(f.parameters[0].value, 0.01, 0.002);
+    EXPECT_NEAR(f.parameters[4].value, -0.012, 0.002);
+  }
+}
+
 TEST(Engine, GivesACommonDelayToTheSystemAndALonelyOneToItsSensor) {
   const auto config = baseline("exact");
   EXPECT_THAT(names(diagnose(record(config, "sys_offset", {{"tau_s", {0.01}}}, 9), config)),
