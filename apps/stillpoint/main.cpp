@@ -19,7 +19,7 @@ bool is_command(const CLI::App& cli, const std::string& word) {
 
 int main(int argc, char** argv) {
   using namespace stillpoint;
-  CLI::App cli{"Self-calibrating attitude, and the physics a simulation left out."};
+  CLI::App cli{"Self-calibrating attitude, and the physics a simulation left out.", "stillpoint"};
   cli.set_version_flag("--version", "stillpoint " STILLPOINT_VERSION);
   app::Run run;
   app::add_calibrate(cli, run);
