@@ -49,7 +49,7 @@ class FrozenBias {
   FrozenBias(bool gyro, const std::vector<Block>& fitted) : filter_(chamber_prior(gyro)) {
     const double unit = gyro ? kRadPerDeg : 0.3;
     const Mat3 noise = std::pow(0.02 * unit, 2) * Mat3::Identity();
-    double before_degC = fitted.front().temp_degC, tau2 = 0.0;
+    double before_degC = fitted.front().temp_degC;
     low_ = high_ = tau(before_degC);
     for (const Block& b : fitted) {
       const double t = tau(b.temp_degC);
@@ -58,11 +58,9 @@ class FrozenBias {
       before_degC = b.temp_degC;
       low_ = std::min(low_, t);
       high_ = std::max(high_, t);
-      mean_tau_ += t / double(fitted.size());
-      tau2 += t * t / double(fitted.size());
+      present_ += filter_.at(t, t * t) / double(fitted.size());
     }
     filter_.predict(1e6);  // what is left of the wander says nothing of the other half
-    middle_ = filter_.at(mean_tau_, tau2);
     if (gyro) follows_ = filter_.follows_temperature(low_, high_);  // the accelerometer's filter has no such guard
   }
   [[nodiscard]] bool seen(double temp_degC) const { return tau(temp_degC) >= low_ && tau(temp_degC) <= high_; }
@@ -70,15 +68,15 @@ class FrozenBias {
     const double t = std::clamp(tau(temp_degC), low_, high_);
     Vec3 out = filter_.at(t, t * t);
     for (int axis = 0; axis < 3; ++axis)
-      if (!follows_[static_cast<std::size_t>(axis)]) out[axis] = middle_[axis];
+      if (!follows_[static_cast<std::size_t>(axis)]) out[axis] = present_[axis];
     return out;
   }
 
  private:
   static double tau(double temp_degC) { return (temp_degC - 25.0) / calib::kTempScale_K; }
   calib::GyrFilter filter_;
-  double low_ = 0.0, high_ = 0.0, mean_tau_ = 0.0;
-  Vec3 middle_ = Vec3::Zero();
+  double low_ = 0.0, high_ = 0.0;
+  Vec3 present_ = Vec3::Zero();  ///< what is published along the way where the temperature is not followed, in the mean
   std::array<bool, 3> follows_{true, true, true};
 };
 
@@ -91,7 +89,7 @@ void thermal_chamber(const std::string& folder, Figures& figures) {
       static_cast<std::size_t>(std::min_element(r->temp_degC.begin(), r->temp_degC.end()) - r->temp_degC.begin());
   std::printf(
       "thermal_chamber, %.1f to %.1f to %.1f degC: fit one half, predict the other without learning from it; rms x y "
-      "z, the fitted half's mean -> its polynomial\n",
+      "z, the fitted half's mean -> what is published\n",
       r->temp_degC.front(), r->temp_degC[coldest], r->temp_degC.back());
   for (const bool gyro : {true, false}) {
     const auto& y = gyro ? r->gyr_radps : r->acc_mps2;

@@ -85,7 +85,7 @@ TEST(CalibrationFigures, RealRecordings) {
   EXPECT_LE(f.at("ferraris.worst_sigma"), 2.0);
   for (const char* axis : {"gyr_x", "gyr_y", "gyr_z", "acc_x", "acc_y", "acc_z"})
     for (const char* half : {"_falling", "_rising"})
-      EXPECT_LT(f.at(std::string("chamber.") + axis + half), 1.06) << axis << half;  // never worse than a constant
+      EXPECT_LT(f.at(std::string("chamber.") + axis + half), 1.005) << axis << half;  // never worse than a constant
   for (const char* trial : {"01", "03", "06", "08", "15"}) EXPECT_LT(f.at(std::string("broad.") + trial), 1.0) << trial;
   EXPECT_LT(f.at("broad.10"), 1.06);
 }
