@@ -16,7 +16,7 @@ constexpr double kDriftSpreads = 2.0;          // of the spread that a window of
 constexpr double kSampleSd = 6.0;              // one sample in 1e8 by chance, an axis
 constexpr double kAnchorAngle_rad = 0.3;       // beyond, the chord of a turn is no longer its arc
 constexpr double kAnchorAge_s = 120.0;         // longer, and the drift of the sensors looks like a turn
-constexpr double kNoisy = 0.5;                 // sd over lattice; 200 equal readings in a row have no chance then
+constexpr double kNoisy = 1.0;                 // sd over lattice; twenty equal readings: 5e-9 by chance
 constexpr double kScaleError = 0.005;          // of a gyro before its matrix is learnt
 constexpr double kGyrNoise_radps_rtHz = 2e-4;  // a consumer gyro's 0.01 deg/s/sqrt(Hz)
 
@@ -29,7 +29,8 @@ bool beyond(const Array3& a, double limit) noexcept {
 
 RestDetector::RestDetector(const Params& params)
     : params_(params), quarter_ns_(static_cast<std::int64_t>(params.window_s / kQuarters * kNsPerSecond)) {
-  last_u_.fill(Vec3::Zero());
+  last_raw_.fill(Vec3::Zero());
+  noisy_.fill({});
 }
 
 std::optional<Window> RestDetector::push(const RawSample& sample, const CalibrationSnapshot& calibration) noexcept {
@@ -89,7 +90,7 @@ void RestDetector::restart() noexcept {
   filled_ = 0;
   open_ = false;
   has_last_rate_ = false;
-  has_last_u_.fill(false);
+  has_last_raw_.fill(false);
 }
 
 void RestDetector::begin_quarter(const RawSample& sample) noexcept {
@@ -132,15 +133,15 @@ void RestDetector::add(const RawSample& sample, const CalibrationSnapshot& calib
       std::min<std::int64_t>(kBlocks - 1, (sample.t_ns - current_.t_first_ns) * kBlocks / quarter_ns_));
   const Mat3 R_ref_body = chain_.q.toRotationMatrix();
   if (sample.holds(kAcc) && finite(sample.acc_mps2)) {
-    add(kAccIndex, calibration.acc.apply(sample.acc_mps2, temp_degC), block, R_ref_body);
+    add(kAccIndex, sample.acc_mps2, calibration.acc, temp_degC, block, R_ref_body);
     current_.triad[kAccIndex].clipped += beyond(sample.acc_mps2, params_.acc_limit_mps2);
   }
   if (sample.holds(kGyr) && finite(sample.gyr_radps)) {
-    add(kGyrIndex, calibration.gyr.apply(sample.gyr_radps, temp_degC), block, Mat3::Identity());
+    add(kGyrIndex, sample.gyr_radps, calibration.gyr, temp_degC, block, Mat3::Identity());
     current_.triad[kGyrIndex].clipped += beyond(sample.gyr_radps, params_.gyr_limit_radps);
   }
   if (sample.holds(kMag) && finite(sample.mag_uT)) {
-    add(kMagIndex, calibration.mag.apply(sample.mag_uT, temp_degC), block, R_ref_body);
+    add(kMagIndex, sample.mag_uT, calibration.mag, temp_degC, block, R_ref_body);
     current_.triad[kMagIndex].clipped += beyond(sample.mag_uT, params_.mag_limit_uT);
   }
   if (sample.holds(kTemp) && std::isfinite(sample.temp_degC)) {
@@ -151,24 +152,31 @@ void RestDetector::add(const RawSample& sample, const CalibrationSnapshot& calib
   current_.t_last_ns = sample.t_ns;
 }
 
-void RestDetector::add(int which, const Vec3& u, int block, const Mat3& R_ref_body) noexcept {
+void RestDetector::add(int which, const Array3& raw, const TriadCalibration& calibration, double temp_degC, int block,
+                       const Mat3& R_ref_body) noexcept {
   const auto w = static_cast<std::size_t>(which);
   const auto b = static_cast<std::size_t>(block);
   Triad& triad = current_.triad[w];
+  const Vec3 u = calibration.apply(raw, temp_degC);
   const Vec3 u_ref = R_ref_body * u;
   triad.block[b] += u;
   triad.block_ref[b] += u_ref;
   triad.sum_sq += u_ref.cwiseProduct(u_ref);
   ++triad.n[b];
-  if (has_last_u_[w]) {
-    const Vec3 step = u - last_u_[w];
-    triad.step_sq += step.cwiseProduct(step);
-    for (const double d : {std::abs(step.x()), std::abs(step.y()), std::abs(step.z())})
-      if (d > 1e-12 && (triad.least_step == 0.0 || d < triad.least_step)) triad.least_step = d;
+  if (has_last_raw_[w]) {
+    // Of the raw readings: a new version of the calibration, or of the temperature, is no change of a stuck sensor.
+    const Vec3 step = vec(raw) - last_raw_[w];
+    triad.step_sq += (mat(calibration.matrix) * step).squaredNorm();
+    triad.raw_step_sq += step.cwiseProduct(step);
+    for (int axis = 0; axis < 3; ++axis) {
+      const double d = std::abs(step[axis]);
+      double& least = triad.least_step[axis];
+      if (d > 1e-12 && (least == 0.0 || d < least)) least = d;
+    }
     ++triad.steps;
   }
-  last_u_[w] = u;
-  has_last_u_[w] = true;
+  last_raw_[w] = vec(raw);
+  has_last_raw_[w] = true;
 }
 
 std::optional<Window> RestDetector::evaluate(const CalibrationSnapshot& calibration) noexcept {
@@ -239,7 +247,10 @@ Window RestDetector::make_window(const Evidence& e, Refusal rate, const Calibrat
   for (std::size_t k = 0; k < 3; ++k) {
     if (e.triad[k].n == 0 || (k == kGyrIndex && rate != Refusal::kNone)) continue;
     if (((e.stuck | e.clipped) & bits[k]) != 0) continue;
-    noisy_[k] = noisy_[k] || std::sqrt(e.triad[k].white_var) > kNoisy * e.triad[k].least_step;
+    for (int axis = 0; axis < 3; ++axis) {
+      const Summary& s = e.triad[k];
+      noisy_[k][static_cast<std::size_t>(axis)] |= s.noise_sd[axis] > kNoisy * s.least_step[axis];
+    }
     w.has = static_cast<std::uint8_t>(w.has | bits[k]);
     // Back to raw readings: the window must not depend on the calibration that was in force when it was seen.
     const Mat3 H_inv = mat(used[k]->matrix).inverse();

@@ -81,9 +81,10 @@ class RestDetector {
     std::array<Vec3, kBlocks> block;      ///< sums
     std::array<Vec3, kBlocks> block_ref;  ///< sums of the de-rotated readings
     std::array<int, kBlocks> n{};
-    Vec3 sum_sq = Vec3::Zero();   ///< of the de-rotated readings
-    Vec3 step_sq = Vec3::Zero();  ///< of the differences of successive readings: white noise without slow parts
-    double least_step = 0.0;      ///< smallest difference but zero, on any axis: the lattice of the readings
+    Vec3 sum_sq = Vec3::Zero();  ///< of the de-rotated readings
+    double step_sq = 0.0;  ///< of the differences of successive readings, all axes: white noise without slow parts
+    Vec3 raw_step_sq = Vec3::Zero();  ///< the same of the raw readings, an axis
+    Vec3 least_step = Vec3::Zero();   ///< smallest raw difference but zero: the lattice
     int steps = 0;
     int clipped = 0;
     Triad() {
@@ -119,9 +120,9 @@ class RestDetector {
     double spread_still_sq = 0.0;  ///< the same, de-rotated
     double spread_turn_sq = 0.0;   ///< the same, with the best steady turn removed
     double spread_noise_sq = 0.0;  ///< what white noise alone gives them: 3 axes x 2 contrasts x var of a quarter mean
-    double least_step = 0.0;
+    Vec3 noise_sd = Vec3::Zero(), least_step = Vec3::Zero();  ///< of the raw readings, an axis
     int clipped = 0;
-    bool constant = false;
+    std::array<bool, 3> constant{};  ///< this axis did not change at all
   };
   struct Evidence {
     std::array<Summary, 3> triad;
@@ -135,7 +136,8 @@ class RestDetector {
 
   void integrate(const RawSample& sample, const CalibrationSnapshot& calibration, double temp_degC) noexcept;
   void add(const RawSample& sample, const CalibrationSnapshot& calibration, double temp_degC) noexcept;
-  void add(int which, const Vec3& u, int block, const Mat3& R_ref_body) noexcept;
+  void add(int which, const Array3& raw, const TriadCalibration& calibration, double temp_degC, int block,
+           const Mat3& R_ref_body) noexcept;
   void begin_quarter(const RawSample& sample) noexcept;
   void hold_against_rest(const RawSample& sample, double dt_s) noexcept;
   void restart() noexcept;
@@ -161,8 +163,8 @@ class RestDetector {
   std::int64_t last_t_ns_ = 0;
   bool has_last_ = false, has_last_rate_ = false;
   Vec3 last_rate_ = Vec3::Zero();
-  std::array<Vec3, 3> last_u_{};
-  std::array<bool, 3> has_last_u_{};
+  std::array<Vec3, 3> last_raw_{};
+  std::array<bool, 3> has_last_raw_{};
   bool moved_ = true;
   /// Directions at the start of the present stretch of rest, renewed every two minutes.
   struct Anchor {
@@ -182,8 +184,8 @@ class RestDetector {
   Vec3 seen_turn_ = Vec3::Zero();  ///< rad/s; the last steady turn that gravity or field showed, zero when it is over
   std::int64_t suspected_since_ns_ = 0;
   bool suspected_ = false;
-  /// Noisier at rest than its lattice: a reading that then does not change is no reading.
-  std::array<bool, 3> noisy_{};
+  /// Of each triad's axes, noisier at rest than its lattice: a reading that then does not change is no reading.
+  std::array<std::array<bool, 3>, 3> noisy_{};
   std::uint8_t told_stuck_ = 0, told_clipped_ = 0;
   Refusal last_refusal_ = Refusal::kFilling;
 };

@@ -54,7 +54,8 @@ RestDetector::Summary RestDetector::summarise(int which) const noexcept {
   const auto w = static_cast<std::size_t>(which);
   const Mat3 R_middle_ref = quarters_[kQuarters / 2].chain.q.toRotationMatrix().transpose();
   std::array<Vec3, kQuarters> mean, mean_ref;
-  Vec3 total = Vec3::Zero(), total_ref = Vec3::Zero(), sq = Vec3::Zero(), step_sq = Vec3::Zero();
+  Vec3 total = Vec3::Zero(), total_ref = Vec3::Zero(), sq = Vec3::Zero(), raw_step_sq = Vec3::Zero();
+  double step_sq = 0.0;
   int steps = 0;
   for (std::size_t q = 0; q < kQuarters; ++q) {
     const Triad& t = quarters_[q].triad[w];
@@ -71,17 +72,23 @@ RestDetector::Summary RestDetector::summarise(int which) const noexcept {
     total_ref += sum_ref;
     sq += t.sum_sq;
     step_sq += t.step_sq;
+    raw_step_sq += t.raw_step_sq;
     steps += t.steps;
     s.n += n;
     s.clipped += t.clipped;
-    if (t.least_step > 0.0 && (s.least_step == 0.0 || t.least_step < s.least_step)) s.least_step = t.least_step;
+    for (int axis = 0; axis < 3; ++axis) {
+      const double least = t.least_step[axis];
+      if (least > 0.0 && (s.least_step[axis] == 0.0 || least < s.least_step[axis])) s.least_step[axis] = least;
+    }
   }
   s.mean = total / s.n;
   const Vec3 mean_in_ref = total_ref / s.n;
   s.mean_still = w == kGyrIndex ? s.mean : Vec3(R_middle_ref * mean_in_ref);
   s.power = std::max(0.0, (sq / s.n - mean_in_ref.cwiseProduct(mean_in_ref)).sum());
-  s.white_var = steps > 0 ? step_sq.sum() / (6.0 * steps) : 0.0;  // mean over the axes of half the mean square step
-  s.constant = steps > 0 && step_sq.maxCoeff() == 0.0;
+  s.white_var = steps > 0 ? step_sq / (6.0 * steps) : 0.0;  // mean over the axes of half the mean square step
+  if (steps > 0) s.noise_sd = (raw_step_sq / (2.0 * steps)).cwiseSqrt();
+  for (int axis = 0; axis < 3; ++axis)
+    s.constant[static_cast<std::size_t>(axis)] = steps > 0 && raw_step_sq[axis] == 0.0;
   const SlowChange change(mean);
   s.spread_sq = change.squared();
   s.spread_still_sq = SlowChange(mean_ref).squared();
@@ -107,15 +114,18 @@ RestDetector::Summary RestDetector::summarise(int which) const noexcept {
   return s;
 }
 
-/// A triad without noise is a coarse one at rest, or stuck: stuck when it was noisier than its lattice before, or when
-/// all that the sensor measures of motion stands still at once.
+/// An axis without noise is a coarse one at rest, or stuck (at its limit, too): stuck when it was noisier than its
+/// lattice before, or when all that the sensor measures of motion stands still at once.
 void RestDetector::judge_faults(Evidence& e) const noexcept {
   const std::array<std::uint8_t, 3> bits{kAcc, kGyr, kMag};
-  const bool both = e.triad[kAccIndex].constant && e.triad[kGyrIndex].constant;
+  const auto still = [](const Summary& s) { return s.constant[0] && s.constant[1] && s.constant[2]; };
+  const bool both = still(e.triad[kAccIndex]) && still(e.triad[kGyrIndex]);
   for (std::size_t k = 0; k < 3; ++k) {
     const Summary& s = e.triad[k];
     if (s.n < kLeastSamples) continue;
-    if (s.constant && (noisy_[k] || (both && k != kMagIndex))) e.stuck = static_cast<std::uint8_t>(e.stuck | bits[k]);
+    bool stuck = both && k != kMagIndex;
+    for (std::size_t axis = 0; axis < 3; ++axis) stuck = stuck || (s.constant[axis] && noisy_[k][axis]);
+    if (stuck) e.stuck = static_cast<std::uint8_t>(e.stuck | bits[k]);
     if (s.clipped > kClippedShare * s.n) e.clipped = static_cast<std::uint8_t>(e.clipped | bits[k]);
   }
 }

@@ -171,5 +171,43 @@ TEST(RestDetector, AnIdlingEngineABoatAndAHandAreNotLearnt) {
       EXPECT_LT(after_rest(hand, 300.0, has_mag, seed).worst_sigma, 3.0) << seed << has_mag;
 }
 
+/// A sensor that sticks while it lies still must be found out although each window changes the calibration.
+TEST(RestDetector, ASensorThatSticksAtRestIsNamedAndNothingIsLearntFromIt) {
+  for (const int axes : {3, 1}) {
+    for (const bool gyr_too : {true, false}) {
+      test::SensorTruth truth;
+      truth.b_gyr = Vec3(0.004, -0.006, 0.003);
+      test::Synthetic source(truth, 19);
+      RestDetector detector;
+      OnlineCalibrator calibrator({}, {});
+      RawSample stuck;
+      int after = 0;
+      const auto run = [&](bool sticks) {
+        source.run(60.0, {}, [&](RawSample s) {
+          if (sticks) {
+            for (std::size_t k = 0; k < static_cast<std::size_t>(axes); ++k) {
+              s.acc_mps2[k] = stuck.acc_mps2[k];
+              if (gyr_too) s.gyr_radps[k] = stuck.gyr_radps[k];
+            }
+          } else {
+            stuck = s;
+          }
+          const auto window = detector.push(s, calibrator.snapshot());
+          if (window) calibrator.absorb(*window);
+          after += sticks && window && (window->has & kAcc) != 0;
+        });
+      };
+      run(false);
+      run(true);
+      EXPECT_LE(after, 1) << axes << gyr_too;  // the window in which it begins
+      const CalibrationSnapshot& s = calibrator.snapshot();
+      EXPECT_EQ(s.acc.status, CalibrationStatus::kStuck) << axes << gyr_too;
+      EXPECT_EQ(s.gyr.status == CalibrationStatus::kStuck, gyr_too) << axes << gyr_too;
+      const Vec3 e = s.gyr.bias_at(25.0) - truth.b_gyr;
+      EXPECT_LT(e.dot(mat(s.gyr.bias_covariance).inverse() * e), 16.0) << axes << gyr_too;
+    }
+  }
+}
+
 }  // namespace
 }  // namespace stillpoint::calib
