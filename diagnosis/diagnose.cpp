@@ -3,175 +3,91 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
 
 #include "diagnosis/finding_effect.h"
 #include "diagnosis/forensics/forensics.h"
 #include "diagnosis/no_reference/no_reference.h"
-#include "diagnosis/reference/apparatus.h"
-#include "diagnosis/reference/findings.h"
-#include "diagnosis/reference/given_effects.h"
-#include "diagnosis/reference/twins.h"
+#include "diagnosis/reference/with_reference.h"
+#include "diagnosis/sanity/readings.h"
 #include "diagnosis/sanity/sanity.h"
-#include "diagnosis/summary.h"
 #include "diagnosis/trajectory/trajectory.h"
 
 namespace stillpoint::diag {
 namespace {
 
-constexpr double kShortest_s = 20.0;
-constexpr double kMostSamples = 16000.0;  // more are thinned by whole factors, down to the step below
-constexpr double kFastEnough_s = 0.0201;  // nothing that bodies do needs more than 50 Hz
-
-Answer insufficient(std::string why, Answer answer = {}) {
-  answer.diagnosis.verdict = Verdict::kInsufficientData;
-  answer.diagnosis.summary = "Cannot decide: " + why;
-  answer.diagnosis.notices.push_back(std::move(why));
-  return answer;
-}
-
-/// White noise of a sensor at rest against the configured one: differences of neighbours do not see the reference.
-void compare_noise(const Signals& s, Answer& answer) {
-  for (int k = 0; k < kSensors; ++k) {
-    if (!s.present[k] || s.noise_sd[k] <= 0) continue;
-    for (int axis = 0; axis < 3; ++axis) {
-      double sum = 0.0;
-      int count = 0;
-      for (Eigen::Index i = 1; i < s.n; ++i) {
-        const auto at = static_cast<std::size_t>(i);
-        if (!s.rest[at] || !s.rest[at - 1] || s.muted[k][at] || s.muted[k][at - 1]) continue;
-        const double d = s.reading[k](i, axis) - s.reading[k](i - 1, axis);
-        sum += 0.5 * d * d;
-        ++count;
-      }
-      if (count < 200) continue;
-      const double measured = std::sqrt(sum / count), ratio = measured / s.noise_sd[k];
-      if (ratio < 0.75 || ratio > 1.3)
-        answer.diagnosis.noise.push_back(
-            {fmt::format("{}_{}", kSensorName[static_cast<std::size_t>(k)], kAxisName[static_cast<std::size_t>(axis)]),
-             s.noise_sd[k], measured});
-    }
-  }
-}
-
-std::array<Mask, kSensors> masks(const Forensics& forensics) {
-  std::array<Mask, kSensors> out;
-  for (std::size_t k = 0; k < kSensors; ++k) out[k] = forensics.sensor[k].muted;
-  return out;
-}
-
-/// A sensor whose steps are coarser than its noise shows its lattice at rest, not its physics.
-void mute_lattice_at_rest(Signals& s, const Forensics& forensics) {
-  for (std::size_t k = 0; k < kSensors; ++k) {
-    if (!s.present[k] || !forensics.sensor[k].quantised) continue;
-    if (forensics.sensor[k].lattice_step.maxCoeff() < s.noise_sd[k]) continue;
-    for (std::size_t i = 0; i < s.rest.size(); ++i)
-      if (s.rest[i]) s.muted[k][i] = 1;
-  }
-}
-
-/// Steps coarser than the noise follow the motion: what looks like a law outside the catalogue, and is smaller than a
-/// step, is the lattice.
-void drop_traces_of_lattices(const Signals& s, const Forensics& forensics, std::vector<Finding>& findings) {
-  for (std::size_t k = 0; k < kSensors; ++k) {
-    const double step = forensics.sensor[k].lattice_step.maxCoeff();
-    if (!s.present[k] || !forensics.sensor[k].quantised || step < s.noise_sd[k]) continue;
-    std::erase_if(findings, [&](const Finding& f) {
-      return f.effect.starts_with("unknown") && !f.channels.empty() && f.channels.front().starts_with(kSensorName[k]) &&
-             f.held_out.rms_before < step;
-    });
-  }
-}
-
 bool contains(const std::vector<sim::EffectConfig>& effects, const std::string& id) {
   return std::any_of(effects.begin(), effects.end(), [&id](const auto& e) { return e.id == id; });
 }
 
-/// Faults of single readings: their being in the simulation is what silences them; no residual predicts them.
-bool shows_in_raw_values(const std::string& id) {
-  return id.ends_with("_quant") || id.ends_with("_sat") || id.ends_with("_drift") || id == "mag_hold" ||
-         id == "sys_dup" || id == "gyr_deadzone" || id == "sys_jitter" || id == "ref_error" || id == "gyr_instability";
+/// What was set aside is no match: the verdict says so, and the summary begins with it.
+void tell_what_was_set_aside(const Sanity& sanity, const sim::SimulationConfig& given, Diagnosis& d) {
+  std::string absent;
+  for (const Sensor s : {kAcc, kGyr, kMag}) {
+    if (triad(given, s) == nullptr || !sanity.unusable[s]) continue;
+    absent += fmt::format("{}{}", absent.empty() ? "" : ", ", kSensorName[s]);
+  }
+  if (!sanity.mistakes.empty()) {
+    if (d.verdict == Verdict::kNoMismatch) d.verdict = Verdict::kInsufficientData;
+    const std::size_t more = sanity.mistakes.size() - 1;
+    d.summary = fmt::format("Input that cannot be right: {}{}. Of the rest: {}", sanity.mistakes.front(),
+                            more == 0 ? "" : fmt::format(" (and {} more, see the notices)", more), d.summary);
+  } else if (!absent.empty() && d.verdict != Verdict::kInsufficientData) {
+    d.summary += fmt::format(" Not recorded, so not compared: {}.", absent);
+  }
 }
 
-Verdict verdict_of(const Diagnosis& d) {
-  std::size_t unknown = 0;
-  for (const Finding& f : d.findings) unknown += f.effect.rfind("unknown", 0) == 0 ? 1 : 0;
-  if (d.findings.empty()) return Verdict::kNoMismatch;
-  if (unknown == 0) return Verdict::kExplained;
-  return unknown == d.findings.size() ? Verdict::kUnexplained : Verdict::kPartlyExplained;
+Answer without_reference(const io::Recording& recording, const sim::SimulationConfig& simulation,
+                         const std::vector<std::string>& without, Answer answer) {
+  std::vector<std::string> notices = std::move(answer.diagnosis.notices);
+  answer.diagnosis = diagnose_without_reference(recording, simulation, without);
+  auto& own = answer.diagnosis.notices;
+  own.insert(own.begin(), notices.begin(), notices.end());
+  answer.effects = examine_raw_values(recording, simulation).effects;
+  for (const Finding& f : answer.diagnosis.findings)
+    if (auto e = effect_of(f); e && !contains(answer.effects, e->id)) answer.effects.push_back(std::move(*e));
+  return answer;
 }
 
 }  // namespace
 
-Answer diagnose(const io::Recording& recording, const sim::SimulationConfig& given,
+Answer insufficient(std::string why, Answer answer) {
+  answer.diagnosis.verdict = Verdict::kInsufficientData;
+  answer.diagnosis.summary = "Cannot decide: " + why;
+  auto& notices = answer.diagnosis.notices;
+  if (std::find(notices.begin(), notices.end(), why) == notices.end()) notices.push_back(std::move(why));
+  return answer;
+}
+
+Answer diagnose(const io::Recording& given_recording, const sim::SimulationConfig& given,
                 const std::vector<std::string>& without, std::size_t twins,
                 const std::function<void(double)>& progress) {
   sim::SimulationConfig simulation = given;
   Answer answer;
-  if (recording.size() < 20) return insufficient("the recording has fewer than 20 rows; record at least a minute");
-  const Sanity sanity = check_input(recording, simulation);
-  answer.diagnosis.notices = sanity.notices;
-  const Forensics forensics = examine_raw_values(recording, simulation);
-  for (const auto& n : forensics.notices) answer.diagnosis.notices.push_back(n);
+  auto& notices = answer.diagnosis.notices;
+  const auto clean = without_false_values(given_recording, notices);
+  const io::Recording& recording = clean ? *clean : given_recording;
+  auto even = recording.ref_q_world_body.empty() ? std::nullopt : with_lost_rows(recording);
+  const Sanity sanity = check_input(even ? *even : recording, simulation);
+  notices.insert(notices.end(), sanity.notices.begin(), sanity.notices.end());
   if (sanity.nothing_usable)
-    return insufficient(sanity.notices.empty() ? "nothing in the recording can be used" : sanity.notices.front(),
+    return insufficient(sanity.mistakes.empty() ? "nothing in the recording can be used" : sanity.mistakes.front(),
                         std::move(answer));
   if (sanity.unusable[kAcc]) simulation.accelerometer.reset();
   if (sanity.unusable[kGyr]) simulation.gyroscope.reset();
   if (sanity.unusable[kMag]) simulation.magnetometer.reset();
   const auto learnt = examine(calibrate_along(recording, simulation), !recording.temp_degC.empty());
-  answer.diagnosis.notices.insert(answer.diagnosis.notices.end(), learnt.begin(), learnt.end());
+  notices.insert(notices.end(), learnt.begin(), learnt.end());
   if (recording.ref_q_world_body.empty() || sanity.reference_unusable) {
-    answer.diagnosis = diagnose_without_reference(recording, simulation, without);
-    answer.diagnosis.notices.insert(answer.diagnosis.notices.end(), learnt.begin(), learnt.end());
-    answer.diagnosis.notices.insert(answer.diagnosis.notices.begin(), sanity.notices.begin(), sanity.notices.end());
-    answer.effects = forensics.effects;
-    for (const Finding& f : answer.diagnosis.findings)
-      if (auto e = effect_of(f); e && !contains(answer.effects, e->id)) answer.effects.push_back(std::move(*e));
-    return answer;
+    answer = without_reference(recording, simulation, without, std::move(answer));
+  } else {
+    if (sanity.position_unusable && !even) even = recording;
+    if (sanity.position_unusable) even->ref_position_m.clear();
+    const io::Recording& rows = even ? *even : recording;
+    const Forensics forensics = examine_raw_values(rows, simulation);
+    notices.insert(notices.end(), forensics.notices.begin(), forensics.notices.end());
+    answer = diagnose_with_reference(rows, simulation, forensics, without, twins, progress, std::move(answer));
   }
-  Result<Signals> made = make_signals(recording, simulation, masks(forensics));
-  if (!made) return insufficient(made.error().message, std::move(answer));
-  Signals& s = *made;
-  if (s.duration_s() < kShortest_s)
-    return insufficient(
-        fmt::format("{:.1f} s of recording are too short; record at least {:.0f} s", s.duration_s(), kShortest_s),
-        std::move(answer));
-  for (const std::string& id : subtract_effects(s, simulation.effects))
-    if (!shows_in_raw_values(id))
-      answer.diagnosis.notices.push_back(
-          fmt::format("effect {} of the simulation cannot be predicted from the recording; left in", id));
-  mute_lattice_at_rest(s, forensics);
-  compare_noise(s, answer);
-  answer.diagnosis.findings = forensics.findings;
-  answer.effects = forensics.effects;
-  find_reference_error(s, recording, simulation, answer);
-  find_frame(s, simulation, answer);
-  find_jitter(s, simulation, answer);
-  const auto factor =
-      static_cast<Eigen::Index>(std::floor(std::min(static_cast<double>(s.n) / kMostSamples, kFastEnough_s / s.dt_s)));
-  if (factor > 1) s = thinned(s, factor);
-  EngineResult engine = search_all(s, without, progress);
-  if (twins > 0)
-    for (auto& line : gate_by_twins(s, engine, twins)) answer.diagnosis.notices.push_back(std::move(line));
-  const std::size_t kept = answer.diagnosis.findings.size();
-  std::vector<Sensor> order;  // whoever sees an effect of the whole clock best speaks first
-  for (const SystemEffect& e : engine.system)
-    if (std::find(order.begin(), order.end(), e.lead) == order.end()) order.push_back(e.lead);
-  for (const Sensor k : {kAcc, kGyr, kMag})
-    if (std::find(order.begin(), order.end(), k) == order.end()) order.push_back(k);
-  for (const Sensor k : order)
-    if (engine.sensor[k]) report_sensor(s, engine, k, simulation.effects, answer);
-  std::stable_sort(answer.diagnosis.findings.begin() + static_cast<std::ptrdiff_t>(kept),
-                   answer.diagnosis.findings.end(),
-                   [](const Finding& a, const Finding& b) { return a.held_out.gain_nats > b.held_out.gain_nats; });
-  drop_traces_of_lattices(s, forensics, answer.diagnosis.findings);
-  for (const auto& n : s.notices) answer.diagnosis.notices.push_back(n);
-  std::sort(answer.diagnosis.ranking.begin(), answer.diagnosis.ranking.end(),
-            [](const RankedHypothesis& a, const RankedHypothesis& b) { return a.gain_nats > b.gain_nats; });
-  answer.diagnosis.abstention_nats = charge(3, {}) + kLeastNet;
-  answer.diagnosis.verdict = verdict_of(answer.diagnosis);
-  answer.diagnosis.summary = summarise(answer.diagnosis);
+  tell_what_was_set_aside(sanity, given, answer.diagnosis);
   return answer;
 }
 

@@ -26,4 +26,7 @@ struct Answer {
                               const std::vector<std::string>& without = {}, std::size_t twins = 0,
                               const std::function<void(double)>& progress = {});
 
+/// The answer "insufficient data" for this reason, beside what `answer` says already.
+[[nodiscard]] Answer insufficient(std::string why, Answer answer);
+
 }  // namespace stillpoint::diag

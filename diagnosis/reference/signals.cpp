@@ -106,9 +106,10 @@ void mute_unresolved(Signals& s, const std::array<Series, 2>& error) {
     const Series near = moving_mean(error[k].cwiseAbs2(), kStencilReach).cwiseSqrt();
     Eigen::Index count = 0;
     for (Eigen::Index i = 0; i < s.n; ++i)
-      if (near[i] > kSeen * s.noise_sd[k]) s.muted[k][static_cast<std::size_t>(i)] = 1, ++count;
-    if (count == 0) continue;
+      if (std::uint8_t& muted = s.muted[k][static_cast<std::size_t>(i)]; near[i] > kSeen * s.noise_sd[k] && !muted)
+        muted = 1, ++count;
     const double share = static_cast<double>(count) / static_cast<double>(s.n);
+    if (share < 0.005) continue;
     s.present[k] = share < 0.9;
     s.notices.push_back(fmt::format(
         "{}: in {:.0f} % of the rows the body vibrates too fast for a reference of {:.0f} rows a second; {}. Record "
@@ -272,8 +273,8 @@ Result<Signals> make_signals(const io::Recording& recording, const sim::Simulati
   s.has_orientation = !recording.ref_q_world_body.empty();
   s.has_position = !recording.ref_position_m.empty();
   if (!s.has_orientation) return s;
-  predict(s, recording);
   mute_lost_reference(s, recording);
+  predict(s, recording);
   for (int k = 0; k < kSensors; ++k) {
     if (!s.present[k]) continue;
     s.residual[k] = s.reading[k] - s.predicted[k];

@@ -51,7 +51,7 @@ io::Recording tumbling() {
 Sanity checked(const io::Recording& r) { return check_input(r, baseline()); }
 
 void expect_notice(const Sanity& s, const std::string& words) {
-  ASSERT_EQ(s.notices.size(), 1U);
+  ASSERT_THAT(s.notices, testing::SizeIs(1));
   EXPECT_THAT(s.notices[0], HasSubstr(words));
 }
 
