@@ -1,6 +1,9 @@
 #include "io/recording_columns.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
+#include <cctype>
 
 namespace stillpoint::io {
 namespace {
@@ -48,6 +51,26 @@ bool take(std::string_view& name, std::string_view head) {
   return true;
 }
 
+std::string lower(std::string_view text) {
+  std::string out(text);
+  std::transform(out.begin(), out.end(), out.begin(), [](unsigned char c) { return std::tolower(c); });
+  return out;
+}
+
+std::string mistake_of_name(std::string_view name) {
+  for (const Family& family : kFamilies) {
+    for (std::size_t part = 0; part < kColumnGroupInfo[family.group].size; ++part) {
+      const std::string stem = fmt::format("{}{}", family.stem, family.parts[part]),
+                        known = stem + std::string(family.unit);
+      if (name != known && lower(name) == lower(known))
+        return fmt::format("column '{}' has to be written '{}'", name, known);
+      if (!family.unit.empty() && name == stem.substr(0, stem.size() - 1))
+        return fmt::format("column '{}' lacks its unit, as in '{}'", name, known);
+    }
+  }
+  return {};
+}
+
 }  // namespace
 
 std::optional<KnownColumn> known_column(std::string_view name) {
@@ -60,6 +83,23 @@ std::optional<KnownColumn> known_column(std::string_view name) {
     }
   }
   return std::nullopt;
+}
+
+std::string likely_mistake(std::string_view line) {
+  const auto has = [line](char c) { return line.find(c) != std::string_view::npos; };
+  if (has('\0')) return "this is no UTF-8 text: a binary file, or UTF-16; save it as CSV in UTF-8";
+  if (has('\r')) return "lines end with a carriage return alone; end them with a line feed";
+  if (has('"')) return "the names stand in quotes; write names and numbers without them";
+  if (has(';')) return "separated by semicolons; expected are commas, and points in the numbers";
+  if (has('\t')) return "separated by tabs; expected are commas";
+  const std::string_view first = line.substr(0, line.find(','));
+  if (!first.empty() && first.find_first_not_of("0123456789.+-eE ") == std::string_view::npos)
+    return "the first line holds numbers; expected is a line of column names before them";
+  for (std::size_t start = 0, end = 0; start < line.size(); start = end + 1) {
+    end = std::min(line.find(',', start), line.size());
+    if (std::string mistake = mistake_of_name(line.substr(start, end - start)); !mistake.empty()) return mistake;
+  }
+  return {};
 }
 
 }  // namespace stillpoint::io

@@ -17,6 +17,7 @@ namespace {
 
 constexpr std::size_t kMostMessages = 10;
 constexpr double kGapOverMedianStep = 2.5;
+constexpr double kLatest_ns = 4.6e18;  // 146 years: the difference of any two times still fits
 
 /// Where a column's number goes, and what it is multiplied with on the way.
 struct Column {
@@ -122,6 +123,10 @@ class Parser {
         add_fault(1, fmt::format("only {} of the {} columns {}; all or none", seen[g], group.size, group.names));
     if (seen[kAccGroup] + seen[kGyrGroup] + seen[kMagGroup] == 0)
       add_fault(1, "no sensor columns; expected acc_x_mps2, gyr_x_radps or mag_x_uT and their axes");
+    const bool strange = line.find('\r') != std::string_view::npos || seen[kTimeGroup] == 0 ||
+                         seen[kAccGroup] + seen[kGyrGroup] + seen[kMagGroup] == 0;
+    if (const std::string mistake = strange ? likely_mistake(line) : std::string(); !mistake.empty())
+      add_fault(1, mistake);
     if (!faults.empty()) return fail(ErrorKind::kBadData, faults);
     for (std::size_t g = 0; g < kColumnGroups; ++g) present_[g] = seen[g] > 0;
     out_.acc_in_counts = unit[kAccGroup] == "counts";
@@ -186,10 +191,10 @@ class Parser {
 
   /// Integers in time_ns keep every digit; the others go through a double, rounded to the nanosecond.
   static bool parse_time(std::string_view text, double to_ns, double value, std::int64_t& t_ns) {
+    const double ns = value * to_ns;
+    if (std::abs(ns) > kLatest_ns) return false;
     if (to_ns == 1.0 && text.find_first_of(".eE") == std::string_view::npos)
       return std::from_chars(text.data(), text.data() + text.size(), t_ns).ec == std::errc{};
-    const double ns = value * to_ns;
-    if (std::abs(ns) > 9.2e18) return false;
     t_ns = std::llround(ns);
     return true;
   }

@@ -3,6 +3,7 @@
 
 #include <gmock/gmock.h>
 
+#include <algorithm>
 #include <cmath>
 #include <random>
 
@@ -79,6 +80,112 @@ TEST(Sanity, NamesUnits) {
   expect_notice(checked(r), "degrees per second");
 }
 
+void scale(std::vector<Vec3>& readings, double factor) {
+  for (Vec3& y : readings) y *= factor;
+}
+
+TEST(Sanity, NamesUnitsOfARateWithAndWithoutAReference) {
+  const std::pair<double, const char*> mistakes[] = {{180 / M_PI, "degrees per second"},
+                                                     {180e3 / M_PI, "milli-degrees"},
+                                                     {60 / (2 * M_PI), "revolutions"},
+                                                     {M_PI / 180, "divided by 57.3"},
+                                                     {131 * 180 / M_PI, "raw counts"}};
+  for (const auto& [factor, words] : mistakes) {
+    for (const bool with_reference : {true, false}) {
+      auto r = tumbling();
+      scale(r.gyr_radps, factor);
+      if (!with_reference) r.ref_q_world_body.clear(), r.ref_position_m.clear();
+      const auto s = checked(r);
+      EXPECT_TRUE(s.unusable[kGyr] && !s.reference_unusable) << words;
+      ASSERT_THAT(s.mistakes, testing::SizeIs(1)) << words;
+      EXPECT_THAT(s.mistakes[0], HasSubstr(words));
+    }
+  }
+}
+
+TEST(Sanity, NamesCountsUnitLengthAndExchangedSensors) {
+  auto r = tumbling();
+  scale(r.acc_mps2, 16384 / 9.80665);
+  expect_notice(checked(r), "raw counts");
+  r = tumbling();
+  for (Vec3& m : r.mag_uT) m.normalize();
+  expect_notice(checked(r), "unit length");
+  r = tumbling();
+  std::swap(r.acc_mps2, r.gyr_radps);
+  const auto s = checked(r);
+  EXPECT_TRUE(s.unusable[kAcc] && s.unusable[kGyr]);
+  EXPECT_THAT(s.mistakes, testing::Contains(HasSubstr("exchanged")));
+}
+
+TEST(Sanity, NamesAClockThatCountsInAnotherUnit) {
+  for (const double factor : {1e3, 1e-3, 60.0, 1 / kStep_s}) {  // the last: rows counted as seconds
+    auto r = tumbling();
+    for (auto& t : r.t_ns) t = static_cast<std::int64_t>(std::llround(static_cast<double>(t) * factor));
+    const auto s = checked(r);
+    EXPECT_TRUE(s.nothing_usable) << factor;
+    EXPECT_THAT(s.mistakes, testing::ElementsAre(HasSubstr("unit"))) << factor;
+  }
+}
+
+TEST(Sanity, NamesWhatIsWrongWithThePosition) {
+  const auto says = [](auto&& change, const std::string& words) {
+    auto r = tumbling();
+    change(r.ref_position_m);
+    const auto s = checked(r);
+    EXPECT_TRUE(s.position_unusable && !s.reference_unusable) << words;
+    ASSERT_THAT(s.mistakes, testing::SizeIs(1)) << words;
+    EXPECT_THAT(s.mistakes[0], HasSubstr(words));
+  };
+  says([](auto& p) { scale(p, 1000); }, "millimetres");
+  says([](auto& p) { scale(p, 39.37); }, "inches");
+  says(
+      [](auto& p) {
+        for (Vec3& x : p) x = Vec3(x.y(), x.x(), -x.z());
+      },
+      "world x is position +y");
+  says(
+      [](auto& p) {
+        for (Vec3& x : p) x.y() *= -1;
+      },
+      "world y is position -y");
+  says([](auto& p) { std::rotate(p.begin(), p.end() - 40, p.end()); }, "it is 0.8");
+  says(
+      [](auto& p) {
+        for (Vec3& x : p) x.setOnes();
+      },
+      "never changes");
+  says(
+      [](auto& p) {
+        for (Vec3& x : p) x.setConstant(io::kMissing);
+      },
+      "fewer than 100 rows");
+}
+
+/// A sensor that reads half of gravity has a wrong number in its calibration; its position is not to blame.
+TEST(Sanity, DoesNotBlameThePositionForAScale) {
+  auto r = tumbling();
+  scale(r.acc_mps2, 0.5);
+  EXPECT_THAT(checked(r).mistakes, testing::IsEmpty());
+}
+
+TEST(Sanity, NamesAReferenceThatIsHeldOrOfATurnedBody) {
+  auto r = tumbling();
+  for (std::size_t i = 0; i < r.size(); ++i) r.ref_q_world_body[i] = r.ref_q_world_body[i - i % 5];
+  expect_notice(checked(r), "repeats the row before");
+  r = tumbling();
+  for (auto* readings : {&r.acc_mps2, &r.gyr_radps, &r.mag_uT})
+    for (Vec3& y : *readings) y = Vec3(-y.x(), -y.y(), y.z());
+  EXPECT_TRUE(checked(r).reference_unusable);
+  expect_notice(checked(r), "its body is turned");
+}
+
+TEST(Sanity, NamesAFieldThatDoesNotTurnWithTheBody) {
+  auto r = tumbling();
+  std::shuffle(r.mag_uT.begin(), r.mag_uT.end(), std::mt19937_64(3));
+  EXPECT_TRUE(checked(r).unusable[kMag]);
+  expect_notice(checked(r), "do not turn with the body");
+}
+
 TEST(Sanity, NamesTheConventionOfTheReference) {
   const Quat ned(0, std::sqrt(0.5), std::sqrt(0.5), 0);
   auto r = tumbling();
@@ -133,8 +240,14 @@ TEST(Sanity, SaysWhatIsMissing) {
   for (auto& m : r.mag_uT) m.x() = 3.0;
   EXPECT_TRUE(checked(r).unusable[kMag]);
   r = tumbling();
+  for (auto& g : r.gyr_radps) g.x() = io::kMissing;
+  expect_notice(checked(r), "gyr_x: no reading in any row");
+  r = tumbling();
   r.t_ns.resize(100);
   EXPECT_TRUE(checked(r).nothing_usable);
+  r = tumbling();
+  r.issues.backward_time = {.count = 9000, .first_line = 17};
+  expect_notice(checked(r), "9000 rows were dropped, the first in line 17");
 }
 
 }  // namespace

@@ -38,5 +38,28 @@ TEST(Recording, CountsWhatItDoesNotAccept) {
   EXPECT_EQ(r->size(), 6U);
 }
 
+TEST(Recording, NamesWhyAHeaderIsNotOne) {
+  const auto why = [](std::string text) { return parse_recording(text + "\n0,1,2,3\n", "f.csv").error().message; };
+  EXPECT_THAT(why("time_s;acc_x_mps2;acc_y_mps2;acc_z_mps2"), ::testing::HasSubstr("semicolons"));
+  EXPECT_THAT(why("time_s\tacc_x_mps2\tacc_y_mps2\tacc_z_mps2"), ::testing::HasSubstr("tabs"));
+  EXPECT_THAT(why("\"time_s\",\"acc_x_mps2\""), ::testing::HasSubstr("quotes"));
+  EXPECT_THAT(why("Time_s,acc_x_mps2,acc_y_mps2,acc_z_mps2"), ::testing::HasSubstr("has to be written 'time_s'"));
+  EXPECT_THAT(why("time_s,acc_x,acc_y,acc_z"), ::testing::HasSubstr("'acc_x' lacks its unit, as in 'acc_x_mps2'"));
+  EXPECT_THAT(why("0.01,9.8,0.1,0.2"), ::testing::HasSubstr("the first line holds numbers"));
+  EXPECT_THAT(why(std::string("t\0i\0m\0", 6)), ::testing::HasSubstr("UTF-16"));
+  EXPECT_THAT(why("time_s,acc_x_mps2,acc_y_mps2,acc_z_mps2\r0,1,2,3"), ::testing::HasSubstr("carriage return"));
+}
+
+/// Differences of two times must fit their type: a century and a half on either side of nought is enough.
+TEST(Recording, RefusesTimesWhoseDifferencesOverflow) {
+  const auto r = parse_recording(
+      "time_ns,acc_x_mps2,acc_y_mps2,acc_z_mps2\n-9000000000000000000,1,2,3\n0,1,2,3\n"
+      "9000000000000000000,1,2,3\n",
+      "f.csv", OnMalformedRow::kCount);
+  ASSERT_TRUE(r) << r.error().message;
+  EXPECT_EQ(r->size(), 1U);
+  EXPECT_EQ(r->issues.malformed.count, 2U);
+}
+
 }  // namespace
 }  // namespace stillpoint::io
