@@ -42,10 +42,11 @@ std::vector<Family> of_the_gyroscope() {
           .mistaken_for("offset, Earth rotation", "depends on attitude at rest and follows acceleration in motion")
           .takes("G_radps_per_mps2", "G", "rad/s per m/s^2", 9)
           .in("gyr", "G5", 3e-5, 1.8e-4),
-      Family("earth", "Earth rotation", "D = scale R' w_e, w_e = 7.292e-5 (0, cos lat, sin lat)")
+      Family("earth", "Earth rotation", "D = R' w; where w is not given, scale 7.292e-5 (0, cos lat, sin lat)")
           .driven_by("attitude", "attitude changes, long rest")
           .mistaken_for("offset, gyr_gsens", "fixed in the world, size known")
           .may_take("scale", "scale", "1", 1, 1.0)
+          .may_take("w_radps", "w", "rad/s", 3, 0.0)
           .in("gyr", "G12"),
       Family("instability", "bias instability", "1/f floor, Allan deviation 0.664 b")
           .driven_by("none", "long rest")

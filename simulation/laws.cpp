@@ -62,7 +62,10 @@ const std::vector<Entry>& entries() {
       {"ref_frame", kAcc, kAtPlace, [](V p, I n) -> Vec3 { return rigid_point(p.vec3(1), n); }},
       {"acc_alias", kAcc, kAtPlace, line},
       {"gyr_earth", kGyr, kAtPlace,
-       [](V p, I n) -> Vec3 { return p.scalar(0) * (n.R_body_world * n.earth_rate_radps); }},
+       [](V p, I n) -> Vec3 {
+         const Vec3 measured = p.vec3(1);  // in a world that need not look north
+         return n.R_body_world * (measured.isZero() ? Vec3(p.scalar(0) * n.earth_rate_radps) : measured);
+       }},
       {"gyr_alias", kGyr, kAtPlace, line},
       {"gyr_coning", kGyr, kAtPlace, coning},
       {"mag_field_step", kMag, kAtPlace,

@@ -120,7 +120,8 @@ bool subtract_line(Signals& s, Sensor k, const sim::EffectConfig& e) {
 }
 
 bool subtract_earth(Signals& s, const sim::EffectConfig& e, double latitude_rad) {
-  const Vec3 w = scalar(e, "scale", 1.0) * kEarthRate_radps * Vec3(0.0, std::cos(latitude_rad), std::sin(latitude_rad));
+  const Vec3 here = kEarthRate_radps * Vec3(0.0, std::cos(latitude_rad), std::sin(latitude_rad));
+  const Vec3 w = e.parameters.contains("w_radps") ? vec3_of(e, "w_radps") : Vec3(scalar(e, "scale", 1.0) * here);
   for (int a = 0; a < 3; ++a) s.residual[kGyr] -= w[a] * s.world_axis[static_cast<std::size_t>(a)];
   return true;
 }
@@ -165,7 +166,7 @@ std::optional<sim::EffectConfig> to_effect(const Found& found, const Eigen::Vect
     return e;
   }
   if (found.id == "gyr_earth") {
-    e.parameters = {{"scale", {values.norm() / kEarthRate_radps}}};
+    e.parameters = {{"w_radps", list(values, 0, 3)}};
     return e;
   }
   if (found.id == "mag_sat") {  // the bend alone: no reading has met a limit

@@ -79,6 +79,15 @@ TEST(Law, GyrEarthTurnsWithTheBody) {
       1e-12);
 }
 
+TEST(Law, GyrEarthHasTheMeasuredDirectionInAWorldThatDoesNotLookNorth) {
+  expect_law(
+      "{effect: gyr_earth, w_radps: [5e-5, -2e-5, 4e-5]}", Sensor::kGyr,
+      [](const Twins& w, std::size_t i) {
+        return Vec3(w.on[i].true_q_world_body.conjugate() * Vec3(5e-5, -2e-5, 4e-5));
+      },
+      1e-12);
+}
+
 /// First-order lag: to second order in tau it is a delay by tau, less the amplitude it takes away.
 TEST(Law, LowPassLosesAmplitudeAndDelays) {
   expect_law(
