@@ -32,6 +32,7 @@ namespace {
 
 namespace fs = std::filesystem;
 constexpr int kFormat = 1;
+constexpr std::uintmax_t kLargest = 1 << 20;  // a state has some kilobytes
 
 /// FNV-1a, 64 bit: against damage, not against malice.
 std::uint64_t checksum(std::span<const std::byte> bytes) {
@@ -67,7 +68,59 @@ bool sync_folder(const std::string& folder) {
   return fd.get() >= 0 && ::fsync(fd.get()) == 0;
 }
 
+/// The name of the temporary file, whole on the disk.
+Result<std::string> write_temporary(const std::string& path, const std::string& sensor_id,
+                                    std::span<const std::byte> payload) {
+  const std::string temporary = path + ".tmp";
+  const std::string text =
+      header(sensor_id, payload) + std::string(reinterpret_cast<const char*>(payload.data()), payload.size());
+  const Descriptor fd(::open(temporary.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0640));
+  if (fd.get() < 0) return cannot("cannot be written", temporary);
+  if (write_all(fd.get(), text.data(), text.size()) && ::fsync(fd.get()) == 0) return temporary;
+  const auto error = cannot("cannot be written whole", temporary);
+  ::unlink(temporary.c_str());
+  return error;
+}
+
+Result<void> put_in_place(const std::string& temporary, const std::string& path) {
+  if (::rename(temporary.c_str(), path.c_str()) != 0) return cannot("cannot be renamed", temporary);
+  const std::string folder = fs::path(path).parent_path().string();
+  if (!sync_folder(folder.empty() ? "." : folder)) return cannot("cannot be synced", folder);
+  return {};
+}
+
 }  // namespace
+
+Result<StateFile> read_state_file(const std::string& path) {
+  std::error_code error;
+  if (!fs::exists(path, error)) return fail(ErrorKind::kNoInput, path + ": not there");
+  // A folder or a device of this name cannot be read to its end.
+  const auto size = fs::is_regular_file(path, error) ? fs::file_size(path, error) : kLargest + 1;
+  if (error || size > kLargest) return fail(ErrorKind::kBadData, "not a state file, or cut short");
+  std::ifstream in(path, std::ios::binary);
+  if (!in) return fail(ErrorKind::kBadData, "cannot be read");
+  const std::string text{std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
+  if (!text.starts_with("stillpoint-state ")) return fail(ErrorKind::kBadData, "not a state file, or cut short");
+  if (!text.starts_with(fmt::format("stillpoint-state {}\n", kFormat)))
+    return fail(ErrorKind::kBadData, "of another format");
+  const auto end = text.find("\n\n");
+  const auto id = text.find("\nsensor ");
+  if (end == std::string::npos || id > end) return fail(ErrorKind::kBadData, "not a state file, or cut short");
+  StateFile state;
+  const auto id_from = id + std::string_view("\nsensor ").size();
+  state.sensor_id = text.substr(id_from, text.find('\n', id_from) - id_from);
+  const auto bytes = std::as_bytes(std::span(text)).subspan(end + 2);
+  state.payload.assign(bytes.begin(), bytes.end());
+  if (text.substr(0, end + 2) != header(state.sensor_id, state.payload))
+    return fail(ErrorKind::kBadData, "damaged: length or checksum is wrong");
+  return state;
+}
+
+Result<void> write_state_file(const std::string& path, const StateFile& state) {
+  const auto temporary = write_temporary(path, state.sensor_id, state.payload);
+  if (!temporary) return tl::unexpected(temporary.error());
+  return put_in_place(*temporary, path);
+}
 
 StateStore::StateStore(std::string directory, std::string sensor_id, int keep)
     : directory_(std::move(directory)), sensor_id_(std::move(sensor_id)), keep_(keep) {}
@@ -97,55 +150,33 @@ Result<void> StateStore::claim() {
 }
 
 Result<void> StateStore::save(std::span<const std::byte> payload) const {
-  const std::string temporary = path() + ".tmp";
-  const std::string text =
-      header(sensor_id_, payload) + std::string(reinterpret_cast<const char*>(payload.data()), payload.size());
-  {
-    const Descriptor fd(::open(temporary.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0640));
-    if (fd.get() < 0) return cannot("cannot be written", temporary);
-    if (!write_all(fd.get(), text.data(), text.size()) || ::fsync(fd.get()) != 0)
-      return cannot("cannot be written whole", temporary);
-  }
+  const auto temporary = write_temporary(path(), sensor_id_, payload);
+  if (!temporary) return tl::unexpected(temporary.error());
   // A crash between these renames leaves a gap in the ages, never the lack of a good file.
   for (int age = keep_ - 1; age > 0; --age)
     if (::rename(path(age - 1).c_str(), path(age).c_str()) != 0 && errno != ENOENT)
       return cannot("cannot be renamed", path(age - 1));
-  if (::rename(temporary.c_str(), path().c_str()) != 0) return cannot("cannot be renamed", temporary);
-  if (!sync_folder(directory_)) return cannot("cannot be synced", directory_);
-  return {};
-}
-
-Result<std::vector<std::byte>> StateStore::read(const std::string& file) const {
-  std::ifstream in(file, std::ios::binary);
-  if (!in) return fail(ErrorKind::kNoInput, file);
-  const std::string text{std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
-  const auto end = text.find("\n\n");
-  if (end == std::string::npos) return fail(ErrorKind::kBadData, "not a state file, or cut short");
-  const auto bytes = std::as_bytes(std::span(text)).subspan(end + 2);
-  std::vector<std::byte> payload(bytes.begin(), bytes.end());
-  if (text.substr(0, end + 2) == header(sensor_id_, payload)) return payload;
-  if (text.find(fmt::format("\nsensor {}\n", sensor_id_)) > end)
-    return fail(ErrorKind::kBadData, "it belongs to another sensor");
-  if (!text.starts_with(fmt::format("stillpoint-state {}\n", kFormat)))
-    return fail(ErrorKind::kBadData, "of another format");
-  return fail(ErrorKind::kBadData, "damaged: length or checksum is wrong");
+  return put_in_place(*temporary, path());
 }
 
 StateStore::Loaded StateStore::load(const std::function<bool(std::span<const std::byte>)>& accept) const {
   Loaded loaded;
   for (int age = 0; age < keep_; ++age) {
     const std::string file = path(age);
-    auto payload = read(file);
-    if (!payload && payload.error().kind == ErrorKind::kNoInput) continue;
-    if (payload && accept(*payload)) {
-      loaded.payload = std::move(*payload);
+    auto state = read_state_file(file);
+    if (!state && state.error().kind == ErrorKind::kNoInput) continue;
+    const bool another = state && state->sensor_id != sensor_id_;
+    if (state && !another && accept(state->payload)) {
+      loaded.payload = std::move(state->payload);
       loaded.file = file;
       return loaded;
     }
     const std::string aside = file + ".damaged";
     const bool moved = ::rename(file.c_str(), aside.c_str()) == 0;
     loaded.set_aside.push_back(fmt::format("{}: {}; {}", file,
-                                           payload ? "of another layout or not finite" : payload.error().message,
+                                           !state    ? state.error().message
+                                           : another ? "it belongs to another sensor"
+                                                     : "of another layout or not finite",
                                            moved ? "set aside as " + aside : "it could not be renamed"));
   }
   return loaded;

@@ -12,6 +12,16 @@
 
 namespace stillpoint::io {
 
+/// One state file: what was learnt, and about which sensor.
+struct StateFile {
+  std::string sensor_id;
+  std::vector<std::byte> payload;
+};
+/// Fails with 66 (not there) or 65 (not a state file, cut short, damaged).
+[[nodiscard]] Result<StateFile> read_state_file(const std::string& path);
+/// Temporary file beside it, fsync, rename, fsync of the folder. Fails with 73; what was there stays.
+[[nodiscard]] Result<void> write_state_file(const std::string& path, const StateFile& state);
+
 class Descriptor;
 
 class StateStore {
@@ -37,7 +47,6 @@ class StateStore {
   [[nodiscard]] std::string path(int age = 0) const;
 
  private:
-  [[nodiscard]] Result<std::vector<std::byte>> read(const std::string& file) const;
   std::string directory_, sensor_id_;
   int keep_;
   std::shared_ptr<const Descriptor> lock_;

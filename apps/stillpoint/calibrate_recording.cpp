@@ -2,12 +2,13 @@
 /// not see.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstring>
-#include <fstream>
 #include <map>
 #include <nlohmann/json.hpp>
+#include <span>
 
 #include "apps/stillpoint/calibrate.h"
 #include "apps/stillpoint/commands.h"
@@ -16,35 +17,80 @@
 #include "calib_online/online_calibrator.h"
 #include "calib_online/rest_detector.h"
 #include "io/recording.h"
+#include "io/state_file.h"
 
 namespace stillpoint::app {
 namespace {
 
 using Json = nlohmann::ordered_json;
 
+const std::string kUnnamed = "unnamed";  // the state of a sensor that no recording named
+
+struct Fault {
+  double t_s;
+  const char* sensor;
+  CalibrationStatus status;
+};
+
 struct Outcome {
   std::vector<calib::Window> windows;
   std::map<std::string, double> refused_s;  ///< seconds by reason
   CalibrationSnapshot factory, learnt;
+  std::vector<Fault> faults;                  ///< where each begins
+  std::array<CalibrationStatus, 3> status{};  ///< of acc, gyr, mag now
   double gravity_mps2 = kStandardGravity_mps2;
   double duration_s = 0.0;
+  double middle_norm_mps2 = 0.0;  ///< median of the readings
   bool has_mag = false;
 };
 
-bool read_state(const std::string& path, calib::OnlineCalibrator& calibrator) {
-  std::ifstream in(path, std::ios::binary);
+/// What was learnt before, if the file is there; the daemon's state files are of the same form. `sensor_id` is the
+/// recording's, empty when it names none, and is filled in from the file then.
+Result<void> read_state(const std::string& path, std::string& sensor_id, calib::OnlineCalibrator& calibrator) {
+  const auto refused = [&path](const std::string& why) {
+    return fail(ErrorKind::kBadData, path + ": " + why + "; set it aside and run again");
+  };
+  const auto file = io::read_state_file(path);
+  if (!file && file.error().kind == ErrorKind::kNoInput) return {};
+  if (!file) return refused(file.error().message);
+  if (!sensor_id.empty() && file->sensor_id != sensor_id && file->sensor_id != kUnnamed)
+    return refused(fmt::format("it is of the sensor '{}', the recording of '{}'", file->sensor_id, sensor_id));
   calib::OnlineCalibrator::State state;
-  return in && in.read(reinterpret_cast<char*>(&state), sizeof state) && calibrator.restore(state);
+  if (file->payload.size() != sizeof state) return refused("of another version");
+  std::memcpy(&state, file->payload.data(), sizeof state);
+  if (!calibrator.restore(state)) return refused("of another version, or not finite");
+  if (sensor_id.empty()) sensor_id = file->sensor_id;
+  return {};
 }
 
-int write_state(const std::string& path, const calib::OnlineCalibrator& calibrator) {
+Result<void> write_state(const std::string& path, const std::string& sensor_id,
+                         const calib::OnlineCalibrator& calibrator) {
   const auto state = calibrator.state();
-  const std::string fresh = path + ".new";
-  std::ofstream out(fresh, std::ios::binary);
-  out.write(reinterpret_cast<const char*>(&state), sizeof state).flush();
-  out.close();
-  if (out && std::rename(fresh.c_str(), path.c_str()) == 0) return 0;
-  return report({ErrorKind::kCannotCreate, path + ": cannot write the state: " + std::strerror(errno)});
+  const auto bytes = std::as_bytes(std::span(&state, 1));
+  return io::write_state_file(path, {sensor_id.empty() ? kUnnamed : sensor_id, {bytes.begin(), bytes.end()}});
+}
+
+/// A sensor that begins to be stuck, clipped or another one.
+void note_faults(const CalibrationSnapshot& now, double t_s, Outcome& run) {
+  const std::array<const TriadCalibration*, 3> triads{&now.acc, &now.gyr, &now.mag};
+  constexpr std::array<const char*, 3> kSensors{"accelerometer", "gyroscope", "magnetometer"};
+  for (std::size_t k = 0; k < 3; ++k) {
+    const CalibrationStatus status = triads[k]->status;
+    const bool fault = status == CalibrationStatus::kStuck || status == CalibrationStatus::kClipped ||
+                       status == CalibrationStatus::kReplaced;
+    if (fault && status != run.status[k]) run.faults.push_back({t_s, kSensors[k], status});
+    run.status[k] = status;
+  }
+}
+
+double middle_norm(const std::vector<Vec3>& readings) {
+  std::vector<double> norms;
+  for (const Vec3& y : readings)
+    if (y.allFinite()) norms.push_back(y.norm());
+  if (norms.empty()) return 0.0;
+  const auto middle = norms.begin() + static_cast<std::ptrdiff_t>(norms.size() / 2);
+  std::nth_element(norms.begin(), middle, norms.end());
+  return *middle;
 }
 
 Outcome calibrate(const io::Recording& recording, calib::OnlineCalibrator& calibrator, double gravity_mps2) {
@@ -66,7 +112,9 @@ Outcome calibrate(const io::Recording& recording, calib::OnlineCalibrator& calib
     if (!window) continue;
     if (window->has != 0) run.windows.push_back(*window);
     calibrator.absorb(*window);
+    note_faults(calibrator.snapshot(), recording.t_s(row), run);
   }
+  run.middle_norm_mps2 = middle_norm(recording.acc_mps2);
   run.learnt = calibrator.snapshot();
   run.has_mag = !recording.mag_uT.empty();
   run.duration_s = recording.t_s(recording.size() - 1) - recording.t_s(0);
@@ -82,6 +130,12 @@ std::vector<std::string> missing(const Outcome& run) {
     for (const auto& [reason, s] : run.refused_s)
       if (s > longest_s) longest_s = s, most = reason;
     out.push_back(fmt::format("no window of rest; most of the time: {}", most));
+    const double times_g = run.middle_norm_mps2 / run.gravity_mps2;
+    if (run.middle_norm_mps2 > 0.0 && (times_g < 0.5 || times_g > 2.0))
+      out.push_back(
+          fmt::format("a specific force near gravity: half of the readings are below {:.3g} m/s^2; is the unit in the "
+                      "column's name (acc_x_mps2, acc_x_g) that of the numbers?",
+                      run.middle_norm_mps2));
     return out;
   }
   std::array<int, 6> faces{};
@@ -150,6 +204,9 @@ Json to_json(const std::string& path, const Outcome& run) {
   j["duration_s"] = run.duration_s;
   j["windows"] = run.windows.size();
   j["seconds_by_verdict"] = run.refused_s;
+  j["faults"] = Json::array();
+  for (const Fault& f : run.faults)
+    j["faults"].push_back({{"time_s", f.t_s}, {"sensor", f.sensor}, {"status", name(f.status)}});
   j["norm_rms_error_mps2"] = {{"before", n.before_mps2}, {"after", n.after_mps2}};
   j["accelerometer"] = to_json(run.learnt.acc);
   j["gyroscope"] = to_json(run.learnt.gyr);
@@ -179,6 +236,7 @@ void print(const std::string& path, const Outcome& run) {
   fmt::print("{}: {:.1f} s, {} windows of rest\n", path, run.duration_s, run.windows.size());
   for (const auto& [reason, s] : run.refused_s)
     if (s > 0.0) fmt::print("  {:8.1f} s  {}\n", s, reason == "none" ? "at rest" : reason);
+  for (const Fault& f : run.faults) fmt::print("  at {:.1f} s the {} is {}\n", f.t_s, f.sensor, name(f.status));
   print("accelerometer", "windows", "m/s^2", 1.0, run.learnt.acc);
   if (run.learnt.acc.norm_sd > 0.0) {
     const Norms n = norms(run);
@@ -212,16 +270,21 @@ int calibrate_recording(const std::string& path, const JsonTarget& json, const s
   calib::OnlineCalibratorParams params;
   params.gravity_mps2 = gravity_mps2;
   calib::OnlineCalibrator calibrator(params, CalibrationSnapshot{});
-  if (!state.empty() && std::ifstream(state).good() && !read_state(state, calibrator))
-    return report(
-        {ErrorKind::kBadData, state + ": not a state of this version, or damaged; set it aside and run again"});
+  const auto named = recording->header.find("sensor");
+  std::string sensor_id = named != recording->header.end() ? named->second : "";
+  if (!state.empty())
+    if (const auto learnt = read_state(state, sensor_id, calibrator); !learnt) return report(learnt.error());
   for (const auto& line : io::describe(recording->issues)) fmt::print(stderr, "{}: {}\n", path, line);
   const Outcome run = calibrate(*recording, calibrator, gravity_mps2);
+  int failed = 0;
+  if (json)
+    failed = write_json(to_json(path, run).dump(2, ' ', false, Json::error_handler_t::replace) + "\n", *json);
+  else
+    print(path, run);
+  // Last: what the run found is shown even where it cannot be kept.
   if (!state.empty())
-    if (const int failed = write_state(state, calibrator)) return failed;
-  if (json) return write_json(to_json(path, run).dump(2, ' ', false, Json::error_handler_t::replace) + "\n", *json);
-  print(path, run);
-  return 0;
+    if (const auto kept = write_state(state, sensor_id, calibrator); !kept) return report(kept.error());
+  return failed;
 }
 
 }  // namespace stillpoint::app
