@@ -7,10 +7,9 @@
 #include <array>
 #include <charconv>
 #include <cmath>
-#include <filesystem>
-#include <fstream>
 
 #include "io/recording_columns.h"
+#include "io/text_file.h"
 
 namespace stillpoint::io {
 namespace {
@@ -160,10 +159,12 @@ class Parser {
           return malformed(start + 1, fmt::format("'{}' is not a number", text.substr(0, 40)));
         }
         const std::size_t field = *columns_[c].field;
-        if (!std::isfinite(value) || code == std::errc::result_out_of_range) {
+        if (!std::isfinite(value * columns_[c].to_si) || code == std::errc::result_out_of_range) {
           out_.issues.not_finite.note(line_);
         } else if (field == kColumnGroupInfo[kTimeGroup].first) {
-          if (!parse_time(text, columns_[c].to_si, value, t_ns)) return malformed(start + 1, "time out of range");
+          if (!parse_time(text, columns_[c].to_si, value, t_ns))
+            return malformed(start + 1,
+                             fmt::format("the time {} is out of range; 146 years either way are allowed", text));
           time_read = true;
         } else {
           row_[field] = value * columns_[c].to_si;
@@ -248,21 +249,9 @@ Result<Recording> parse_recording(std::string_view text, const std::string& name
 }
 
 Result<Recording> read_recording(const std::string& path, OnMalformedRow policy) {
-  namespace fs = std::filesystem;
-  std::error_code unknown;
-  const fs::file_type kind = fs::status(path, unknown).type();
-  std::ifstream file(path, std::ios::binary);
-  if (!file)
-    return fail(ErrorKind::kNoInput, fmt::format("{}: cannot be opened; check the path and its permissions", path));
-  if (kind != fs::file_type::regular && kind != fs::file_type::fifo)
-    return fail(ErrorKind::kNoInput, fmt::format("{}: neither a file nor a pipe; name a recording (.csv)", path));
-  std::string text;
-  if (kind == fs::file_type::regular) text.reserve(static_cast<std::size_t>(fs::file_size(path, unknown)) + 1);
-  std::array<char, 1 << 16> part{};
-  while (file.read(part.data(), part.size()) || file.gcount() > 0)
-    text.append(part.data(), static_cast<std::size_t>(file.gcount()));
-  if (file.bad()) return fail(ErrorKind::kNoInput, fmt::format("{}: cannot be read to its end", path));
-  return parse_recording(text, path, policy);
+  const auto text = read_text_file(path, "a recording (.csv)");
+  if (!text) return tl::unexpected(text.error());
+  return parse_recording(*text, path, policy);
 }
 
 }  // namespace stillpoint::io

@@ -3,9 +3,10 @@
 #include <yaml-cpp/eventhandler.h>
 
 #include <algorithm>
-#include <fstream>
 #include <numeric>
 #include <sstream>
+
+#include "io/text_file.h"
 
 namespace stillpoint::io {
 namespace {
@@ -100,12 +101,9 @@ Result<YAML::Node> parse_yaml(const std::string& text, const std::string& name) 
 }
 
 Result<YAML::Node> load_yaml(const std::string& path) {
-  std::ifstream file(path, std::ios::binary);
-  if (!file)
-    return fail(ErrorKind::kNoInput, fmt::format("{}: cannot be opened; check the path and its permissions", path));
-  std::ostringstream text;
-  text << file.rdbuf();
-  return parse_yaml(text.str(), path);
+  const auto text = read_text_file(path, "a .yaml");
+  if (!text) return tl::unexpected(text.error());
+  return parse_yaml(*text, path);
 }
 
 std::string suggestion(const std::string& key, const std::vector<std::string>& known) {

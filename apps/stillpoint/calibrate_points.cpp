@@ -4,12 +4,12 @@
 #include <charconv>
 #include <cmath>
 #include <cstdlib>
-#include <fstream>
 #include <nlohmann/json.hpp>
 #include <sstream>
 
 #include "apps/stillpoint/calibrate.h"
 #include "apps/stillpoint/commands.h"
+#include "io/text_file.h"
 
 namespace stillpoint::app {
 namespace {
@@ -70,8 +70,9 @@ void read_line(const std::vector<std::string>& cells, const std::vector<std::str
 }
 
 Result<PointsTable> read_points(const std::string& path) {
-  std::ifstream in(path);
-  if (!in) return fail(ErrorKind::kNoInput, path + ": cannot open; is the name right?");
+  const auto text = io::read_text_file(path, "a table of points (.csv)");
+  if (!text) return tl::unexpected(text.error());
+  std::istringstream in(*text);
   PointsTable table;
   std::vector<std::string> header;
   std::size_t number_of_line = 0;

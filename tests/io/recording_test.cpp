@@ -2,6 +2,10 @@
 
 #include <gmock/gmock.h>
 
+#include <cmath>
+
+#include "io/yaml.h"
+
 namespace stillpoint::io {
 namespace {
 
@@ -21,6 +25,32 @@ TEST(Recording, NamesLineAndColumnOfAMalformedField) {
   const auto r = parse_recording(std::string(kHeader) + "0,1,2,3\n1,1,x,3\n", "f.csv");
   ASSERT_FALSE(r);
   EXPECT_THAT(r.error().message, ::testing::StartsWith("f.csv:3:5: 'x' is not a number"));
+}
+
+TEST(Recording, RefusesTimesWhoseDifferenceNoClockCanCount) {
+  const std::string header = "time_ns,acc_x_mps2,acc_y_mps2,acc_z_mps2\n";
+  for (const char* time : {"-9223372036854775808", "9223372036854775807", "4700000000000000000", "1e30", "-5e18"}) {
+    const auto r = parse_recording(header + "0,1,2,3\n" + time + ",1,2,3\n", "f.csv");
+    ASSERT_FALSE(r) << time;
+    EXPECT_THAT(r.error().message, ::testing::StartsWith("f.csv:3:1: the time " + std::string(time)));
+  }
+  const auto widest = parse_recording(header + "-4600000000000000000,1,2,3\n4600000000000000000,1,2,3\n", "f.csv");
+  ASSERT_TRUE(widest) << widest.error().message;
+  EXPECT_DOUBLE_EQ(widest->median_step_s(), 9.2e9);
+}
+
+TEST(Recording, AReadingThatItsUnitMakesInfiniteWasNotMeasured) {
+  const auto r = parse_recording("time_s,mag_x_T,mag_y_T,mag_z_T\n0,1e305,0,0\n1,1e-5,0,0\n", "f.csv");
+  ASSERT_TRUE(r) << r.error().message;
+  EXPECT_EQ(r->issues.not_finite.first_line, 2U);
+  EXPECT_TRUE(std::isnan(r->mag_uT[0].x()));
+}
+
+TEST(Recording, ADeviceOrAFolderIsNoFileToRead) {
+  for (const char* path : {"/dev/zero", "/tmp"}) {
+    EXPECT_EQ(read_recording(path).error().kind, ErrorKind::kNoInput) << path;
+    EXPECT_EQ(load_yaml(path).error().kind, ErrorKind::kNoInput) << path;
+  }
 }
 
 TEST(Recording, CountsWhatItDoesNotAccept) {
