@@ -84,6 +84,7 @@ class FaultInjector {
 
   void damage(RawSample& sample) noexcept {
     if (happens(params_.clock_step)) clock_ns_ += static_cast<std::int64_t>(1e9 * params_.clock_step_s);
+    if (std::abs(clock_ns_) > kFurthestClock_ns) clock_ns_ = 0;
     sample.t_ns += clock_ns_;
     Array3* const triads[] = {&sample.acc_mps2, &sample.gyr_radps, &sample.mag_uT};
     double& axis = (*triads[pick()])[pick()];
@@ -97,6 +98,8 @@ class FaultInjector {
     }
   }
   std::size_t pick() noexcept { return static_cast<std::size_t>(3.0 * uniform()); }
+
+  static constexpr std::int64_t kFurthestClock_ns = 2'000'000'000'000'000'000;  // 63 years off, and it is set right
 
   S source_;
   FaultParams params_;

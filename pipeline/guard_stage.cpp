@@ -10,6 +10,8 @@ namespace {
 constexpr int kBackwardRun = 8;
 /// A reading a thousand times beyond full scale is a broken transfer, not a measurement.
 constexpr double kAbsurd = 1e3;
+/// 126 years either way: the difference of two such times fits into 64 bits, a time beyond is none.
+constexpr std::int64_t kLargestTime_ns = 4'000'000'000'000'000'000;
 
 bool usable(const Array3& reading, double limit) noexcept {
   return std::all_of(reading.begin(), reading.end(),
@@ -32,21 +34,23 @@ void GuardStage::learn_step(std::int64_t step_ns) noexcept {
 }
 
 bool GuardStage::advance(std::int64_t sensor_ns, std::int64_t& t_ns, bool& gap) noexcept {
-  t_ns = sensor_ns + offset_ns_;
+  if (sensor_ns > kLargestTime_ns || sensor_ns < -kLargestTime_ns || last_ns_ > kLargestTime_ns) return false;
+  t_ns = sensor_ns;
   if (!started_) return true;
+  std::int64_t step = sensor_ns - last_sensor_ns_;
   const auto one_step = std::max<std::int64_t>(1, static_cast<std::int64_t>(usual_step_ns_));
-  if (t_ns <= last_ns_) {
+  if (step <= 0) {
     const bool follows = backward_run_ > 0 && sensor_ns > backward_last_ns_;
     backward_run_ = follows ? backward_run_ + 1 : 1;
     backward_last_ns_ = sensor_ns;
     if (backward_run_ < kBackwardRun) return false;
     // What was refused meanwhile took time; the gap that remains is what the filter must bridge.
-    offset_ns_ = last_ns_ + kBackwardRun * one_step - sensor_ns;
-  } else if (static_cast<double>(t_ns - last_ns_) > 1e9 * params_.clock_step_s) {
-    offset_ns_ = last_ns_ + one_step - sensor_ns;
+    step = kBackwardRun * one_step;
+  } else if (static_cast<double>(step) > 1e9 * params_.clock_step_s) {
+    step = one_step;
   } else {
     backward_run_ = 0;
-    const std::int64_t step = t_ns - last_ns_;
+    t_ns = last_ns_ + step;
     gap = usual_step_ns_ > 0.0 && static_cast<double>(step) > params_.gap_factor * usual_step_ns_;
     if (gap) counts_.longest_gap_ns = std::max(counts_.longest_gap_ns, step);
     learn_step(step);
@@ -55,7 +59,8 @@ bool GuardStage::advance(std::int64_t sensor_ns, std::int64_t& t_ns, bool& gap) 
   ++counts_.clock_steps;
   backward_run_ = 0;
   gap = true;
-  t_ns = sensor_ns + offset_ns_;
+  last_sensor_ns_ = sensor_ns - step;  // on its new time base
+  t_ns = last_ns_ + step;
   return true;
 }
 
@@ -105,6 +110,7 @@ StageStatus GuardStage::process(const RawSample& in, GuardedSample& out) noexcep
   if (out.after_gap) ++counts_.gaps;
   if (out.clipped != 0) ++counts_.clipped;
   last_ns_ = t_ns;
+  last_sensor_ns_ = in.t_ns;
   last_sequence_ = in.sequence;
   started_ = true;
   return out.after_gap || out.clipped != 0 || sample.has != in.has ? StageStatus::kDegraded : StageStatus::kOk;

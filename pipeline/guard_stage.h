@@ -26,7 +26,7 @@ struct GuardParams {
                       field("mag_limit_uT", &P::mag_limit_uT, positive(), "full scale of the magnetometer"),
                       field("gap_factor", &P::gap_factor, in_range(1.1, 100.0),
                             "a step longer than this times the usual one is a gap"),
-                      field("clock_step_s", &P::clock_step_s, in_range(1.0, 1e9),
+                      field("clock_step_s", &P::clock_step_s, in_range(1.0, 1e8),
                             "a forward step longer than this is taken for a clock that was set, not for a pause")};
   }
 };
@@ -72,7 +72,7 @@ class GuardStage {
   GuardParams params_;
   GuardCounts counts_;
   std::int64_t last_ns_ = 0;           ///< pipeline time of the last sample let through
-  std::int64_t offset_ns_ = 0;         ///< pipeline time minus the sensor's time
+  std::int64_t last_sensor_ns_ = 0;    ///< the sensor's own time of that sample
   std::int64_t backward_last_ns_ = 0;  ///< last of a run of sensor times that lie behind
   int backward_run_ = 0;
   double usual_step_ns_ = 0.0;

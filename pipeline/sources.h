@@ -1,5 +1,6 @@
 /// Sources without hardware: samples kept in memory, pacing to the wall clock, and a source that misbehaves on purpose.
 #pragma once
+#include <algorithm>
 #include <utility>
 #include <vector>
 
@@ -25,8 +26,8 @@ class MemorySource {
 };
 
 /// Hands on the samples of another source when they are due: `factor` times real time, 0 as fast as they are
-/// asked for. Sleeps on absolute time, so no
-/// error adds up; a sample that could not be handed on in time keeps the time at which it was due.
+/// asked for. Sleeps on absolute time, so no error adds up; a sample that could not be handed on in time keeps the time
+/// at which it was due.
 template <Source S>
 class PacedSource {
  public:
@@ -42,8 +43,8 @@ class PacedSource {
         first_ns_ = pending_.sample.t_ns;
         started_ = true;
       }
-      const auto elapsed = static_cast<double>(pending_.sample.t_ns - first_ns_);
-      pending_.arrival_ns = start_ns_ + static_cast<std::int64_t>(elapsed / factor_);
+      const double due_ns = static_cast<double>(pending_.sample.t_ns - first_ns_) / factor_;
+      pending_.arrival_ns = start_ns_ + static_cast<std::int64_t>(std::clamp(due_ns, -kLongest_ns, kLongest_ns));
       held_ = true;
     }
     // A long pause in the recording is slept in pieces, so that a request to stop is noticed.
@@ -60,6 +61,7 @@ class PacedSource {
 
  private:
   static constexpr std::int64_t kLongestSleep_ns = 100'000'000;
+  static constexpr double kLongest_ns = 1e18;  // 30 years: what is due later is not awaited
   S source_;
   double factor_;
   Arrival pending_;

@@ -102,6 +102,33 @@ TEST(Faults, AClockSetBackOrFarForwardIsFollowed) {
   }
 }
 
+TEST(Faults, TimesAtTheEndsOfWhatAClockCanCountDoNoHarm) {
+  constexpr std::int64_t kLargest = std::numeric_limits<std::int64_t>::max(), kFar = 4'000'000'000'000'000'000;
+  GuardStage guard;
+  GuardedSample out;
+  std::int64_t last_ns = std::numeric_limits<std::int64_t>::min();
+  std::size_t passed = 0;
+  for (const std::int64_t base : {-kLargest - 1, -kFar, kFar - 1000, kLargest - 1000, -kFar, std::int64_t{0}})
+    for (std::int64_t k = 0; k < 20; ++k) {
+      const RawSample in{.t_ns = base + 10 * k, .acc_mps2 = {0, 0, 9.8}, .has = kAcc};
+      if (guard.process(in, out) == StageStatus::kDrop) continue;
+      ++passed;
+      EXPECT_GT(out.sample.t_ns, last_ns);
+      last_ns = out.sample.t_ns;
+    }
+  EXPECT_GE(passed, 20U + 20U + 13U + 20U) << "a time within 126 years is followed wherever the clock was before";
+  expect_sound(run({.clock_step = 0.01, .clock_step_s = 1e9}));
+  expect_sound(run({.clock_step = 0.01, .clock_step_s = -1e9}));
+}
+
+TEST(Faults, ASourceSlowerThanTheMachineLivesIsSlept) {
+  PacedSource<MemorySource> source(MemorySource({{.t_ns = 0, .has = kAcc}, {.t_ns = 1'000'000'000, .has = kAcc}}),
+                                   1e-300);
+  Arrival out;
+  EXPECT_EQ(source.next(out), SourceState::kSample);
+  EXPECT_EQ(source.next(out), SourceState::kNothing);
+}
+
 TEST(Faults, SaturationIsMarked) {
   GuardStage guard({.gyr_limit_radps = 10.0});
   GuardedSample out;
