@@ -133,10 +133,6 @@ std::string StateStore::path(int age) const {
 Result<void> StateStore::claim() {
   std::error_code error;
   fs::create_directories(directory_, error);
-  const std::string temporary = path() + ".tmp";
-  if (Descriptor(::open(temporary.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC, 0640)).get() < 0)
-    return cannot("cannot be written", temporary);
-  ::unlink(temporary.c_str());
   const std::string file = (fs::path(directory_) / (sensor_id_ + ".lock")).string();
   auto lock = std::make_shared<const Descriptor>(::open(file.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC, 0640));
   if (lock->get() < 0) return cannot("cannot be written", file);
@@ -145,6 +141,11 @@ Result<void> StateStore::claim() {
                 fmt::format("{}: another stillpointd keeps the calibration of sensor '{}' here; end it, or give this "
                             "one another sensor.id or state.directory",
                             file, sensor_id_));
+  // After the lock: until then the file may be one that another daemon is about to rename.
+  const std::string temporary = path() + ".tmp";
+  if (Descriptor(::open(temporary.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC, 0640)).get() < 0)
+    return cannot("cannot be written", temporary);
+  ::unlink(temporary.c_str());
   lock_ = std::move(lock);
   return {};
 }

@@ -81,6 +81,15 @@ TEST_F(StateFile, AFolderThatCannotBeWrittenIsReportedBeforeAnythingIsLearnt) {
   EXPECT_EQ(claimed.error().kind, ErrorKind::kCannotCreate);
 }
 
+TEST_F(StateFile, ASecondDaemonLeavesWhatTheFirstIsJustWriting) {
+  StateStore first(folder_, "imu", 2), second(folder_, "imu", 2);
+  ASSERT_TRUE(first.claim().has_value());
+  const std::string half_written = first.path() + ".tmp";
+  std::ofstream(half_written) << "half";
+  EXPECT_FALSE(second.claim().has_value());
+  EXPECT_TRUE(fs::exists(half_written));
+}
+
 TEST_F(StateFile, OfOneSensorBelongsToOneDaemonAtATime) {
   auto first = std::make_unique<StateStore>(folder_, "imu", 1);
   ASSERT_TRUE(first->claim().has_value());
