@@ -9,6 +9,9 @@
 namespace stillpoint::io {
 namespace {
 
+constexpr std::size_t kLongestId = 100;   // a file's name ends at 255 bytes, and suffixes come on
+constexpr double kLeastGainRatio = 1e-6;  // of a matrix's smallest to its largest gain
+
 /// One of a few words.
 template <class E>
 void read_word(const YAML::Node& node, E& out, const std::vector<std::pair<std::string, E>>& words,
@@ -127,10 +130,27 @@ void check_rest(const DaemonConfig& config, const YAML::Node& root, YamlFaults& 
         fmt::format(
             "'answer_delay_s' ({}) must be shorter than a rest window, 'rest: window_s' ({}): one answer at a time",
             config.calibration.answer_delay_s, config.rest.window_s));
-  const YAML::Node sensor = root["sensor"];
-  if (config.sensor.id.empty() || config.sensor.id.find_first_of("/\n") != std::string::npos ||
-      config.sensor.id[0] == '.')
-    faults.add(sensor["id"], "'id' names the file of the calibration: it may not be empty, start with '.' or hold '/'");
+}
+
+/// Pre: read_fields found no fault, so what these values are read from are maps.
+void check_sensor(const SensorConfig& sensor, const YAML::Node& root, YamlFaults& faults) {
+  const YAML::Node node = root["sensor"];
+  const std::string& id = sensor.id;
+  const bool plain = std::none_of(id.begin(), id.end(),
+                                  [](char c) { return c == '/' || std::iscntrl(static_cast<unsigned char>(c)) != 0; });
+  if (id.empty() || id[0] == '.' || id.size() > kLongestId || !plain)
+    faults.add(node["id"],
+               fmt::format("'id' names the file of the calibration: 1 to {} characters, without '/' and control "
+                           "characters, not beginning with '.'",
+                           kLongestId));
+  const auto invertible = [&](const char* key, const TriadFactory& triad) {
+    const Eigen::JacobiSVD<Mat3> svd(triad.matrix);
+    if (!(svd.singularValues()(2) > kLeastGainRatio * svd.singularValues()(0)))
+      faults.add(node[key]["matrix"], "'matrix' takes different readings to the same value: it has no inverse");
+  };
+  invertible("accelerometer", sensor.accelerometer);
+  invertible("gyroscope", sensor.gyroscope);
+  invertible("magnetometer", sensor.magnetometer);
 }
 
 Result<DaemonConfig> interpret(const YAML::Node& root, const std::string& name) {
@@ -140,6 +160,10 @@ Result<DaemonConfig> interpret(const YAML::Node& root, const std::string& name) 
   check_source(config.source, root, faults);
   check_rest(config, root, faults);
   for (const auto& what : check(config.dds)) faults.add(root["dds"], what);
+  if (const std::string what = calib::check(config.calibration.online); !what.empty())
+    faults.add(root["calibration"]["online"]["temperature_model"], what);
+  if (!faults.empty()) return faults.error();
+  check_sensor(config.sensor, root, faults);
   if (!faults.empty()) return faults.error();
   const std::filesystem::path file(config.source.file);
   if (!file.empty() && file.is_relative())

@@ -41,7 +41,7 @@ struct SourceConfig {
         field("seed", &P::seed, in_range(0, 2e9), "of the simulation's noise"),
         field("at_end", &P::at_end, "stop: the daemon ends with the source; wait: it stays and reports STALE"),
         field("wait_for_file", &P::wait_for_file,
-              "true: a missing file is waited for; false: the daemon stops with 69"),
+              "true: a missing file is waited for; false: the daemon stops with 66"),
         field("faults", &P::faults, "faults put in on purpose, to try out what a subscriber sees")};
   }
 };
@@ -149,11 +149,11 @@ struct DaemonConfig {
   }
 };
 
-/// Reads and checks a configuration. 66: no such file; 78: every fault as file:line:column.
 /// Whether `compensate:` takes this entry: an effect that is a causal function of the readings, always in force
 /// (docs/decisions/072-compensation.md).
 [[nodiscard]] bool can_be_compensated(const sim::EffectConfig& effect);
 
+/// Reads and checks a configuration. 66: no such file; 78: every fault as file:line:column.
 [[nodiscard]] Result<DaemonConfig> read_config(const std::string& path);
 [[nodiscard]] Result<DaemonConfig> parse_config(const std::string& text, const std::string& name);
 

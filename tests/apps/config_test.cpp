@@ -31,7 +31,8 @@ TEST(DaemonConfig, EveryShippedFileIsWithoutFault) {
 TEST(DaemonConfig, PrintedItReadsBackToTheSame) {
   const auto config = parse_config(
       "source: {kind: simulation, file: /a.yaml, speed: 3.5}\noutput: {world_frame: ned, mount: \"+y -x +z\"}\n"
-      "compensate: [{effect: acc_lever, r_m: [0.1, 0.2, 0.3]}]\nrest: {window_s: 1.25}\n",
+      "compensate: [{effect: acc_lever, r_m: [0.1, 0.2, 0.3]}]\nrest: {window_s: 1.25}\n"
+      "sensor: {id: \"it's a \\\"quoted\\\" #1: {x}\"}\n",
       "f.yaml");
   ASSERT_TRUE(config.has_value()) << config.error().message;
   const std::string text = print_config(*config);
@@ -84,6 +85,16 @@ TEST(DaemonConfig, SaysBeforehandWhichEffectsItWillTake) {
 TEST(DaemonConfig, RefusesASensorIdThatWouldLeaveTheStateFolder) {
   EXPECT_NE(faults("sensor: {id: ../../etc/passwd}").find("'id'"), std::string::npos);
   EXPECT_NE(faults("sensor: {id: \"\"}").find("'id'"), std::string::npos);
+  EXPECT_NE(faults("sensor: {id: \"a\\0b\"}").find("'id'"), std::string::npos);
+  EXPECT_NE(faults("sensor: {id: " + std::string(101, 'a') + "}").find("'id'"), std::string::npos);
+}
+
+TEST(DaemonConfig, RefusesAMatrixWithoutAnInverseAndAnUnknownModel) {
+  EXPECT_EQ(faults("sensor: {gyroscope: {matrix: [[1,0,0],[0,1,0],[1,1,0]]}}").substr(0, 30),
+            "f.yaml:1:30: 'matrix' takes di");
+  EXPECT_NE(faults("sensor: {accelerometer: {matrix: [[0,0,0],[0,0,0],[0,0,0]]}}").find("inverse"), std::string::npos);
+  EXPECT_EQ(faults("calibration: {online: {temperature_model: cell}}"),
+            "f.yaml:1:43: temperature_model is 'cell'; it must be none, cells or polynomial");
 }
 
 TEST(DaemonConfig, RefusesAnAnswerThatWouldComeAfterTheNextWindow) {
