@@ -12,7 +12,6 @@
 #include <algorithm>
 #include <cstdio>
 #include <fastdds/dds/domain/DomainParticipantFactory.hpp>
-#include <fastdds/dds/domain/DomainParticipantListener.hpp>
 #include <fastdds/dds/log/Log.hpp>
 #include <mutex>
 
@@ -118,7 +117,8 @@ std::vector<std::string> check(const DdsParams& p) {
 }
 
 Result<std::unique_ptr<DdsEntities>> DdsEntities::create(const DdsParams& params, const std::string& transport,
-                                                         const std::string& name) {
+                                                         const std::string& name,
+                                                         std::unique_ptr<NeighbourWatch> watch) {
   send_log_to_standard_error();
   if (const auto faults = check(params); !faults.empty()) {
     std::string all;
@@ -131,8 +131,11 @@ Result<std::unique_ptr<DdsEntities>> DdsEntities::create(const DdsParams& params
                             params.interface));
   std::unique_ptr<DdsEntities> entities(new DdsEntities);
   auto* factory = dds::DomainParticipantFactory::get_instance();
-  entities->participant_ = factory->create_participant(static_cast<dds::DomainId_t>(params.domain),
-                                                       participant_qos(params, transport, name));
+  entities->neighbours_ = std::move(watch);
+  // With its listener from the start: a neighbour that is found before a listener is set would never be told of.
+  entities->participant_ =
+      factory->create_participant(static_cast<dds::DomainId_t>(params.domain), participant_qos(params, transport, name),
+                                  entities->neighbours_.get(), dds::StatusMask::offered_incompatible_qos());
   if (entities->participant_ == nullptr)
     return fail(
         ErrorKind::kUnavailable,
@@ -154,28 +157,7 @@ DdsEntities::~DdsEntities() {
   dds::DomainParticipantFactory::get_instance()->delete_participant(participant_);
 }
 
-using Discovery = eprosima::fastrtps::rtps::WriterDiscoveryInfo;
-
-class DdsEntities::WriterCount : public dds::DomainParticipantListener {
- public:
-  WriterCount(std::string topic, std::atomic<int>& count) : topic_(std::move(topic)), count_(count) {}
-  void on_publisher_discovery(dds::DomainParticipant*, Discovery&& found) override {
-    if (found.info.topicName() != topic_.c_str()) return;
-    if (found.status == Discovery::DISCOVERED_WRITER) ++count_;
-    if (found.status == Discovery::REMOVED_WRITER) --count_;
-  }
-
- private:
-  std::string topic_;
-  std::atomic<int>& count_;
-};
-
 DdsEntities::DdsEntities() = default;
-
-void DdsEntities::count_writers(const std::string& topic, std::atomic<int>& rivals) {
-  writer_count_ = std::make_unique<WriterCount>(topic, rivals);
-  participant_->set_listener(writer_count_.get(), dds::StatusMask::none());
-}
 
 void DdsEntities::stop() noexcept {
   participant_->set_listener(nullptr);

@@ -1,6 +1,5 @@
 /// The Fast DDS objects behind publisher and subscriber: one participant, what was made in it, and its orderly end.
 #pragma once
-#include <atomic>
 #include <fastdds/dds/domain/DomainParticipant.hpp>
 #include <fastdds/dds/publisher/DataWriter.hpp>
 #include <fastdds/dds/publisher/Publisher.hpp>
@@ -14,6 +13,7 @@
 #include <string>
 
 #include "core/result.h"
+#include "io/dds_neighbours.h"
 #include "io/dds_params.h"
 
 namespace stillpoint::io {
@@ -23,10 +23,12 @@ namespace dds = eprosima::fastdds::dds;
 /// One participant. Errors name the domain and what to look at (exit code 69), bad values the key (78).
 class DdsEntities {
  public:
-  /// `transport` overrides params.transport: the ROS 2 topics stay on UDP whatever the attitude uses.
+  /// `transport` overrides params.transport: the ROS 2 topics stay on UDP whatever the attitude uses. `watch` is told
+  /// of the neighbours from the first moment on.
   [[nodiscard]] static Result<std::unique_ptr<DdsEntities>> create(const DdsParams& params,
                                                                    const std::string& transport,
-                                                                   const std::string& name);
+                                                                   const std::string& name,
+                                                                   std::unique_ptr<NeighbourWatch> watch = nullptr);
   ~DdsEntities();
   DdsEntities(const DdsEntities&) = delete;
   DdsEntities& operator=(const DdsEntities&) = delete;
@@ -35,8 +37,8 @@ class DdsEntities {
                                                 const dds::DataWriterQos& qos);
   [[nodiscard]] Result<dds::DataReader*> reader(const std::string& topic, const dds::TypeSupport& type,
                                                 const dds::DataReaderQos& qos, dds::DataReaderListener* listener);
-  /// `rivals` counts the writers of other participants on this topic from now on; it lives longer than this.
-  void count_writers(const std::string& topic, std::atomic<int>& rivals);
+  /// Pre: one was given to create().
+  [[nodiscard]] Neighbours neighbours() const { return neighbours_->seen(); }
   /// Listeners are not called again once this returns.
   void stop() noexcept;
 
@@ -44,8 +46,7 @@ class DdsEntities {
   DdsEntities();
   [[nodiscard]] Result<dds::Topic*> topic(const std::string& name, const dds::TypeSupport& type);
 
-  class WriterCount;
-  std::unique_ptr<WriterCount> writer_count_;
+  std::unique_ptr<NeighbourWatch> neighbours_;
   dds::DomainParticipant* participant_ = nullptr;
   dds::Publisher* publisher_ = nullptr;
   dds::Subscriber* subscriber_ = nullptr;

@@ -48,7 +48,6 @@ dds::DataWriterQos ros2_writer_qos(std::string_view hash) {
 
 struct DdsPublisher::Impl {
   DdsParams params;
-  std::atomic<int> rivals{0};
   std::unique_ptr<DdsEntities> hot, slow;  // two participants: what blocks inside one does not reach the other
   bool loan = false;
   dds::DataWriter* attitude = nullptr;
@@ -105,13 +104,13 @@ Result<std::unique_ptr<DdsPublisher>> DdsPublisher::create(const DdsParams& para
   auto impl = std::make_unique<Impl>();
   impl->params = params;
   impl->loan = params.transport == "data_sharing";
-  auto hot = DdsEntities::create(params, params.transport, "stillpointd");
+  auto watch = std::make_unique<NeighbourWatch>(params.attitude_topic, msg::AttitudePubSubType().getName());
+  auto hot = DdsEntities::create(params, params.transport, "stillpointd", std::move(watch));
   if (!hot) return tl::unexpected(hot.error());
   auto slow = DdsEntities::create(params, "udp", "stillpointd/slow");
   if (!slow) return tl::unexpected(slow.error());
   impl->hot = std::move(*hot);
   impl->slow = std::move(*slow);
-  impl->hot->count_writers(params.attitude_topic, impl->rivals);
   if (auto made = impl->create_writers(); !made) return tl::unexpected(made.error());
   return std::unique_ptr<DdsPublisher>(new DdsPublisher(std::move(impl)));
 }
@@ -171,7 +170,7 @@ int DdsPublisher::attitude_subscribers() const {
   return status.current_count;
 }
 
-int DdsPublisher::rival_publishers() const { return impl_->rivals.load(); }
+Neighbours DdsPublisher::neighbours() const { return impl_->hot->neighbours(); }
 
 bool DdsPublisher::wait_for_acknowledgements(double timeout_s) {
   const auto end_ns = now_ns(CLOCK_MONOTONIC) + static_cast<std::int64_t>(1e9 * timeout_s);

@@ -7,6 +7,7 @@
 
 #include "core/attitude_message.h"
 #include "core/result.h"
+#include "io/dds_neighbours.h"
 #include "io/dds_params.h"
 
 namespace stillpoint::io {
@@ -32,8 +33,8 @@ class DdsPublisher {
 
   /// Subscribers of the attitude now matched. Any thread.
   [[nodiscard]] int attitude_subscribers() const;
-  /// Writers of other programs on the attitude's topic: two daemons in one domain. Any thread.
-  [[nodiscard]] int rival_publishers() const;
+  /// What other programs do on the attitude's topic. Any thread.
+  [[nodiscard]] Neighbours neighbours() const;
   /// Waits until every reliable message so far has been acknowledged. False: the time was up. Slow thread.
   bool wait_for_acknowledgements(double timeout_s);
 

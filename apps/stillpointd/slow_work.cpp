@@ -70,6 +70,25 @@ bool SlowWork::stale(const pipeline::SensorReport& report, std::int64_t now_ns) 
   return static_cast<double>(now_ns - report.last_arrival_ns) > 1e9 * config_.stale_after_s;
 }
 
+void SlowWork::log_neighbours() {
+  const io::Neighbours now = publisher_.neighbours();
+  if (now == told_neighbours_) return;
+  const auto& dds = config_.dds;
+  if (now.publishers > told_neighbours_.publishers)
+    log(
+        fmt::format("{} other program(s) publish '{}' in domain {}: a subscriber gets all of them mixed; give one "
+                    "another dds.domain or dds.attitude_topic",
+                    now.publishers, dds.attitude_topic, dds.domain));
+  if (now.of_other_type > told_neighbours_.of_other_type)
+    log(
+        fmt::format("{} other program(s) use the name '{}' in domain {} for another type: they and this daemon do not "
+                    "hear each other",
+                    now.of_other_type, dds.attitude_topic, dds.domain));
+  if (now.refused > told_neighbours_.refused)
+    log(fmt::format("a subscriber of '{}' gets nothing: it asks for {}", dds.attitude_topic, now.asked_for));
+  told_neighbours_ = now;
+}
+
 void SlowWork::log_changes(const pipeline::SensorReport& report, bool is_stale) {
   if (is_stale != told_stale_ && !is_stale) log("samples arrive again");
   if (is_stale != told_stale_ && is_stale)
@@ -77,14 +96,7 @@ void SlowWork::log_changes(const pipeline::SensorReport& report, bool is_stale) 
             ? "STALE: the source has ended"
             : fmt::format("STALE: no sample for {} s; nothing is repeated", config_.stale_after_s));
   told_stale_ = is_stale;
-  if (const int rivals = publisher_.rival_publishers(); rivals != told_rivals_) {
-    told_rivals_ = rivals;
-    if (rivals > 0)
-      log(
-          fmt::format("{} other program(s) publish '{}' in domain {}: a subscriber gets all of them mixed; give one "
-                      "another dds.domain or dds.attitude_topic",
-                      rivals, config_.dds.attitude_topic, config_.dds.domain));
-  }
+  log_neighbours();
   const auto tell = [](std::uint64_t now, std::uint64_t& told, const char* what) {
     if (now > told) log(fmt::format("{} {} so far", now, what));
     told = now;

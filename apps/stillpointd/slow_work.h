@@ -25,6 +25,7 @@ class SlowWork {
 
  private:
   [[nodiscard]] bool stale(const pipeline::SensorReport& report, std::int64_t now_ns) const;
+  void log_neighbours();
   void log_changes(const pipeline::SensorReport& report, bool is_stale);
   [[nodiscard]] DiagnosticsMessage diagnostics(const pipeline::SensorReport& report, std::int64_t now_ns,
                                                bool is_stale);
@@ -38,7 +39,7 @@ class SlowWork {
   std::int64_t start_ns_, last_tick_ns_, last_save_ns_;
   std::uint64_t last_samples_ = 0;
   std::uint64_t told_dropped_ = 0, told_late_ = 0, told_clock_steps_ = 0;
-  int told_rivals_ = 0;
+  io::Neighbours told_neighbours_;
   bool unsaved_ = false, told_stale_ = false, told_save_failure_ = false;
 };
 

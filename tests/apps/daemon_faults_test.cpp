@@ -114,6 +114,7 @@ TEST_F(DaemonFaults, OneCoreIsEnough) {
   EXPECT_TRUE(keeps_a_state()) << log();
   EXPECT_EQ(end(*daemon), 0);
   EXPECT_NE(log().find("refused=0"), std::string::npos) << log();
+  EXPECT_EQ(log().find("other program"), std::string::npos) << log();
 }
 
 TEST_F(DaemonFaults, WithoutTheRightsItSaysWhatIsRefusedAndRunsOn) {

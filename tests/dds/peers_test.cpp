@@ -94,11 +94,11 @@ TEST(DdsPeers, TheReliableReadingsOfAnotherProcessAllArriveInOrder) {
   }
 }
 
-TEST(DdsPeers, EightSubscribersOnOneMachineAllGetTheAttitude) {
+TEST(DdsPeers, TwentySubscribersOnOneMachineAllGetTheAttitude) {
   test::use_the_transport_inside_the_process();
   auto publisher = io::DdsPublisher::create(test_params());
   ASSERT_TRUE(publisher) << publisher.error().message;
-  constexpr std::size_t kSubscribers = 8;
+  constexpr std::size_t kSubscribers = 20;
   std::array<std::atomic<int>, kSubscribers> received{};
   std::vector<std::unique_ptr<io::DdsSubscriber>> subscribers;
   for (auto& count : received) {
