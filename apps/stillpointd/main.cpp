@@ -7,7 +7,8 @@
 
 int main(int argc, char** argv) {
   using namespace stillpoint;
-  CLI::App cli{"Attitude from an inertial and magnetic sensor that calibrates itself while it lies still.", "stillpointd"};
+  CLI::App cli{"Attitude from an inertial and magnetic sensor that calibrates itself while it lies still.",
+               "stillpointd"};
   cli.set_version_flag("--version", "stillpointd " STILLPOINT_VERSION);
   std::string path;
   bool check = false, print = false;
