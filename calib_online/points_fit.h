@@ -58,10 +58,11 @@ struct PointsFit {
   double residual_rms = 0.0;       ///< of |u| - 1
   int iterations = 0;
   std::vector<std::string> conditions;  ///< which of section 2.1's conditions the result violates
+  std::vector<std::size_t> set_aside;   ///< kMap: indices of readings too far from all others to be believed
 };
 
-/// Never throws, never NaN in an ok result. Non-finite points, fewer than four distinct ones, and points in a plane
-/// give a status.
+/// Never throws, never NaN in an ok result. Non-finite points, fewer than four distinct ones, points in a plane, and
+/// points that leave the centre or a radius open by a third of it give a status. kMap bears outliers (Huber weights).
 [[nodiscard]] PointsFit fit_points(Method method, std::span<const Point> points, const PointsOptions& options = {});
 
 }  // namespace stillpoint::calib

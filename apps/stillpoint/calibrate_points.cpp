@@ -42,6 +42,15 @@ std::optional<double> number(const std::string& text) {
   return value;
 }
 
+/// What a message may quote of a file: a terminal must not be steered by it, nor flooded.
+std::string printable(const std::string& text) {
+  constexpr std::size_t kShown = 60;
+  std::string out = text.substr(0, kShown);
+  for (char& c : out)
+    if (const auto byte = static_cast<unsigned char>(c); byte < 0x20 || byte > 0x7e) c = '?';
+  return "'" + out + (text.size() > kShown ? "...'" : "'");
+}
+
 /// One line of numbers into a point; faults name the column.
 void read_line(const std::vector<std::string>& cells, const std::vector<std::string>& header, const std::string& where,
                PointsTable& table) {
@@ -57,7 +66,8 @@ void read_line(const std::vector<std::string>& cells, const std::vector<std::str
     if (!known || (!axis && cells[k].empty())) continue;
     const auto value = number(cells[k]);
     if (!value || !std::isfinite(*value)) {
-      table.faults.push_back(fmt::format("{}:{}: {} is '{}', not a finite number", where, k + 1, header[k], cells[k]));
+      table.faults.push_back(
+          fmt::format("{}:{}: {} is {}, not a finite number", where, k + 1, header[k], printable(cells[k])));
       good = false;
       continue;
     }
@@ -85,8 +95,8 @@ Result<PointsTable> read_points(const std::string& path) {
       header = cells;
       for (const char* axis : {"x", "y", "z"})
         if (std::count(header.begin(), header.end(), axis) != 1)
-          return fail(ErrorKind::kBadData, fmt::format("{}:{}:1: the header needs one column '{}'; it is '{}'", path,
-                                                       number_of_line, axis, line));
+          return fail(ErrorKind::kBadData, fmt::format("{}:{}:1: the header needs one column '{}'; it is {}", path,
+                                                       number_of_line, axis, printable(line)));
       continue;
     }
     read_line(cells, header, fmt::format("{}:{}", path, number_of_line), table);
@@ -126,6 +136,8 @@ Json to_json(const std::string& method, const calib::PointsFit& fit, std::size_t
   j["iterations"] = fit.iterations;
   j["reason"] = fit.reason;
   j["conditions_violated"] = fit.conditions;
+  j["set_aside"] = Json::array();
+  for (const std::size_t i : fit.set_aside) j["set_aside"].push_back(i + 1);
   return j;
 }
 
@@ -141,6 +153,7 @@ void print(const std::string& method, const calib::PointsFit& fit) {
   for (int k = 0; k < 3; ++k)
     fmt::print("  matrix    {:14.7g} {:14.7g} {:14.7g}\n", fit.matrix(k, 0), fit.matrix(k, 1), fit.matrix(k, 2));
   fmt::print("  norm off by {:.3g} rms, {} iterations\n", fit.residual_rms, fit.iterations);
+  for (const std::size_t i : fit.set_aside) fmt::print("  point {} is set aside: too far from all others\n", i + 1);
   for (const auto& condition : fit.conditions) fmt::print("  violates condition {}\n", condition);
 }
 

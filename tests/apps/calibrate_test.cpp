@@ -90,6 +90,14 @@ TEST(CalibratePoints, ABadTableGivesItsStatusAndReason) {
     }
 }
 
+TEST(CalibratePoints, AMessageQuotesNothingThatSteersATerminal) {
+  const ScratchFolder folder;
+  const Answer a = calibrate(folder, "\x1b[2J\x07\xff" + std::string(5000, 'k') + "\n1,2,3\n", "map");
+  EXPECT_EQ(a.exit_code, 65);
+  EXPECT_THAT(a.reason, HasSubstr("'?[2J??kkk"));
+  EXPECT_LT(a.reason.size(), 400U);
+}
+
 TEST(CalibratePoints, ADamagedTableNeverEndsTheProgram) {
   const ScratchFolder folder;
   std::mt19937 random(5);

@@ -76,6 +76,43 @@ TEST(PointsFit, BadTablesGetAStatusAndAReason) {
   }
 }
 
+TEST(PointsFit, WhatDeterminesNoEllipsoidIsRefused) {
+  const auto refused = [](const std::vector<Point>& points, Method method, FitStatus status) {
+    const PointsFit f = fit_points(method, points);
+    EXPECT_EQ(f.status, status) << static_cast<int>(method) << f.reason;
+    EXPECT_FALSE(f.reason.empty());
+  };
+  auto flat = cloud(50, 1.0, 6), huge = flat, doubtful = flat, cap = cloud(4000, 3.0, 8);
+  for (std::size_t k = 0; k < flat.size(); ++k) {
+    flat[k].y.z() = 7.0 + 0.3 * std::sin(static_cast<double>(k));  // a plane but for noise
+    huge[k].y *= 1e80;
+    doubtful[k].variance = 1e6;
+  }
+  for (const auto& m : methods()) {
+    refused(flat, m.method, FitStatus::kNotObservable);
+    refused(huge, m.method, FitStatus::kBadInput);
+    refused(doubtful, m.method, FitStatus::kNotObservable);
+  }
+  std::erase_if(cap, [](const Point& p) { return p.y.z() < 2340 + 0.95 * 520; });
+  refused(cap, Method::kLinAutoRepeated, FitStatus::kNotConverged);
+}
+
+TEST(PointsFit, MapBearsOutliersNearAndFar) {
+  const Vec3 centre(2300, 2250, 2340);
+  const auto error = [&](const std::vector<Point>& points, Method method) {
+    const PointsFit f = fit_points(method, points);
+    return f.status == FitStatus::kOk ? (f.offset - centre).norm() : 1e9;
+  };
+  for (const double times : {1.3, 3.0, 60.0}) {
+    auto points = cloud(40, 1.0, 9);
+    const double clean = error(points, Method::kMap);
+    for (const std::size_t k : {5U, 17U, 30U}) points[k].y = centre + times * (points[k].y - centre);
+    EXPECT_LT(error(points, Method::kMap), clean + 2.0) << times;  // 0.4 % of the radius
+    EXPECT_GT(error(points, Method::kMgn), 2.0 * error(points, Method::kMap)) << times;
+    EXPECT_EQ(fit_points(Method::kMap, points).set_aside.size(), times > 2.0 ? 3U : 0U) << times;
+  }
+}
+
 TEST(LinAuto, RepeatingFromTheSameSumsRemovesTheErrorOfUnequalAxes) {
   Dice dice(7);
   Moments m;
