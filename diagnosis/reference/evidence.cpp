@@ -37,6 +37,33 @@ Series3 left_by(const Target& full, const Columns& columns, const NoiseModel& no
   return fit_with(part, columns, noise, {}).leftover;
 }
 
+/// What deviations lack because the colour of the noise was estimated from what the same fit left over. An
+/// autoregression of order p sees the slow band through n / 2p numbers an axis, of which the q coefficients took one
+/// each, and knows its level there to a variance of 4 p / n (Berk, Annals of Statistics 2, 1974).
+double estimated_colour(const Target& t, const Columns& columns) {
+  const double q = static_cast<double>(t.nuisance.cols()) + static_cast<double>(columns.size()) / 3.0;
+  return std::sqrt(1.0 + 2.0 * t.layout.order * (q + 2.0) / std::max(t.layout.used(), 1.0));
+}
+
+/// Deviations from fits that leave out one tenth of the recording each (delete-a-group jackknife: Kott 2001): they hold
+/// what a law itself gets wrong from one stretch to the next.
+Eigen::VectorXd jackknife_sd(const Target& t, const Columns& columns, const NoiseModel& noise,
+                             const std::array<double, 3>& walk_q) {
+  constexpr Eigen::Index kGroups = 10;
+  constexpr double kStudent = 2.262 / 1.960;  // ten groups know their own scatter to nine degrees of freedom
+  const auto p = static_cast<Eigen::Index>(columns.size());
+  Eigen::MatrixXd theta(p, kGroups);
+  for (Eigen::Index g = 0; g < kGroups; ++g) {
+    Target part = t;
+    const Eigen::Index begin = g * t.layout.n / kGroups, end = (g + 1) * t.layout.n / kGroups;
+    part.layout.counts.segment(begin, end - begin).setZero();
+    theta.col(g) = fit_with(part, columns, noise, walk_q).theta;
+  }
+  const Eigen::VectorXd mean = theta.rowwise().mean();
+  const double share = static_cast<double>(kGroups - 1) / static_cast<double>(kGroups);
+  return kStudent * (share * (theta.colwise() - mean).rowwise().squaredNorm()).cwiseSqrt();
+}
+
 /// A coefficient and the time constant of its law are known together only: each time constant's tangent joins the
 /// columns, so that what it could still move widens the intervals of the coefficients.
 void free_the_shapes(const SensorSearch& search, const Target& t, Finished& out) {
@@ -61,8 +88,13 @@ void free_the_shapes(const SensorSearch& search, const Target& t, Finished& out)
     shaped.push_back(static_cast<Eigen::Index>(i));
   }
   if (shaped.empty()) return;
-  const Fit wide = fit_with(t, columns, NoiseModel(t.layout, out.fit.leftover), out.fit.walk_q);
-  const Eigen::VectorXd sd = wide.covariance.diagonal().cwiseMax(0.0).cwiseSqrt();
+  const NoiseModel noise(t.layout, out.fit.leftover);
+  const Fit wide = fit_with(t, columns, noise, out.fit.walk_q);
+  Eigen::VectorXd sd = wide.covariance.diagonal().cwiseMax(0.0).cwiseSqrt();
+  // When an estimator on board believes in a rest is its own secret, and every rest goes a little its own way.
+  const auto behind_tracker = [](const Found& f) { return f.shape_name == kTrackerShape; };
+  if (std::any_of(search.found.begin(), search.found.end(), behind_tracker))
+    sd = sd.cwiseMax(jackknife_sd(t, columns, noise, out.fit.walk_q));
   out.sd = sd.head(p);
   for (std::size_t k = 0; k < shaped.size(); ++k) out.shape_sd[shaped[k]] = sd[p + static_cast<Eigen::Index>(k)];
 }
@@ -88,6 +120,7 @@ Finished finish(const SensorSearch& search) {
   out.values = out.fit.theta;
   out.sd = out.fit.covariance.diagonal().cwiseMax(0.0).cwiseSqrt();
   free_the_shapes(search, t, out);
+  out.sd *= estimated_colour(t, explained);
   for (std::size_t i = 0; i < search.found.size(); ++i)
     if (search.found[i].timing.size())
       out.values.segment(first_column(search, i), search.found[i].timing.size()) += search.found[i].timing;

@@ -8,7 +8,7 @@ namespace {
 
 constexpr int kEdgeSteps = 5;
 constexpr double kEdgeReach_s = 1.0;
-constexpr const char* kStepsOfBaseline[] = {"mag_hard_step", "mag_soft_step", "unknown:offset(t)", "unknown:m(t)"};
+constexpr double kNatsForAnEdge = 6.0;  // logarithm of the places it could have
 
 /// Where a gap of the fitted length begins, to the sample: the evidence summed up has its turning point there.
 Eigen::Index refine_gap(const Signals& s, const SensorSearch& search, const NoiseModel& noise, Eigen::Index begin) {
@@ -79,11 +79,23 @@ Window moved_edges(const Target& target, const Columns& explained, const Columns
   return out;
 }
 
-/// Bias and matrix are fitted beside every law: a step of theirs that is there from the start and ends is the opposite
-/// step that begins, and a recording starts as the simulation says.
-bool ends_as_it_begins(const Law& law) {
-  return std::any_of(std::begin(kStepsOfBaseline), std::end(kStepsOfBaseline),
-                     [&law](const char* id) { return law.id == id; });
+/// A step with one edge where a second one is not needed. Bias and matrix are fitted beside every law: a step of theirs
+/// that ends is the opposite step that begins, and a recording starts as the simulation says.
+Window one_edge_if_enough(const Target& target, const Columns& explained, const Columns& everywhere,
+                          const Window& window, const NoiseModel& noise) {
+  const Eigen::Index n = target.layout.n;
+  if (window.end >= n) return window;
+  const auto likelihood = [&](const Window& w) {
+    return fit_with(target, joined(explained, in_window(everywhere, w)), noise, {}).log_likelihood;
+  };
+  Window best = window;
+  double least = likelihood(window) - kNatsForAnEdge;
+  for (const Window& one : {Window{true, window.end, n}, Window{true, window.begin, n}}) {
+    if (one.begin == 0) continue;
+    const double here = likelihood(one);
+    if (here > least) best = one, least = here;
+  }
+  return best;
 }
 
 }  // namespace
@@ -98,10 +110,10 @@ Window refine_window(const Target& target, const Columns& explained, const Law& 
     if (static_cast<double>(moved.end - moved.begin) * target.dt_s < shortest_s(law.extent)) break;
     window = moved;
   }
-  const bool from_the_start = static_cast<double>(window.begin) * target.dt_s < kEdgeReach_s;
-  if (from_the_start && window.end < target.layout.n && ends_as_it_begins(law))
-    window = {true, window.end, target.layout.n};
-  return window;
+  if (law.extent != Extent::kStep) return window;
+  const Window step = one_edge_if_enough(target, explained, everywhere, window, noise);
+  return step.begin == window.begin && step.end == window.end ? window
+                                                              : moved_edges(target, explained, everywhere, step, noise);
 }
 
 Found found_from(const Law& law, const Candidate& c, Columns columns) {

@@ -77,7 +77,7 @@ TEST(Engine, LocatesAStepOfTheHardIronToTheTenthOfASecond) {
 /// Bias and matrix are free, so what begins late might as well have been there before with the other sign.
 TEST(Engine, AStepChangesWhatComesAfterItAndNotWhatCameBefore) {
   auto config = baseline("exact", 60.0);
-  for (const double t0 : {15.0, 45.0}) {
+  for (const double t0 : {15.0, 30.0, 45.0}) {
     const test::Parameters step{{"M", {0.01, 0.004, -0.003, 0.0, -0.012, 0.005, 0.004, 0.0, 0.009}}, {"t0_s", {t0}}};
     const Answer answer = diagnose(record(config, "mag_soft_step", step, 12), config);
     ASSERT_THAT(names(answer), testing::ElementsAre("mag_soft_step"));
