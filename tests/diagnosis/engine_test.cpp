@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "diagnosis/prove/prove.h"
 #include "diagnosis/reference/evidence.h"
 #include "diagnosis/reference/response.h"
 #include "diagnosis/summary.h"
@@ -74,17 +75,21 @@ TEST(Engine, LocatesAStepOfTheHardIronToTheTenthOfASecond) {
   EXPECT_NEAR(answer.diagnosis.findings[0].interval_s[0], 47.3, 0.1);
 }
 
-/// Bias and matrix are free, so what begins late might as well have been there before with the other sign.
+/// Bias and matrix are free, so what begins late might as well have been there before with the other sign. Two sealed
+/// cases in which chance prefers that, by a fraction of a nat.
 TEST(Engine, AStepChangesWhatComesAfterItAndNotWhatCameBefore) {
-  auto config = baseline("exact", 60.0);
-  for (const double t0 : {15.0, 30.0, 45.0}) {
-    const test::Parameters step{{"M", {0.01, 0.004, -0.003, 0.0, -0.012, 0.005, 0.004, 0.0, 0.009}}, {"t0_s", {t0}}};
-    const Answer answer = diagnose(record(config, "mag_soft_step", step, 12), config);
-    ASSERT_THAT(names(answer), testing::ElementsAre("mag_soft_step"));
-    const Finding& f = answer.diagnosis.findings[0];
-    EXPECT_NEAR(f.interval_s[0], t0, 0.1);
-    EXPECT_NEAR(f.parameters[0].value, 0.01, 0.002);
-    EXPECT_NEAR(f.parameters[4].value, -0.012, 0.002);
+  for (const std::size_t index : {29, 40}) {
+    const SealedCase c = draw_case_of("pair", "cv1", index, true);
+    const auto& truth = c.truth.effects.at("mag_soft_step");
+    const Answer answer = diagnose(c.recording, c.baseline);
+    const auto& findings = answer.diagnosis.findings;
+    const auto step =
+        std::find_if(findings.begin(), findings.end(), [](const Finding& f) { return f.effect == "mag_soft_step"; });
+    ASSERT_NE(step, findings.end()) << index;
+    EXPECT_NEAR(step->interval_s[0], truth.at("t0")[0], 0.5) << index;
+    double along = 0.0;
+    for (std::size_t i = 0; i < 9; ++i) along += step->parameters[i].value * truth.at("M")[i];
+    EXPECT_GT(along, 0.0) << index;
   }
 }
 
