@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
+#include <sstream>
 
 #include "simulation/effect_catalogue.h"
 
@@ -70,6 +71,23 @@ std::string finding_text(const Finding& f) {
   return out + "NEXT     " + f.decided_by + "\n";
 }
 
+/// Lines that fit a terminal of 80 columns, what follows set in under the text of the first.
+std::string wrapped(const std::string& text) {
+  constexpr std::size_t kColumns = 80, kIndent = 9;
+  std::string out;
+  std::istringstream lines(text);
+  for (std::string line; std::getline(lines, line); out += line + "\n") {
+    while (line.size() > kColumns) {
+      const std::size_t space = line.rfind(' ', kColumns);
+      const std::size_t cut = space == std::string::npos || space <= kIndent ? line.find(' ', kColumns) : space;
+      if (cut == std::string::npos) break;  // one long word
+      out += line.substr(0, line.find_last_not_of(' ', cut) + 1) + "\n";
+      line = std::string(kIndent, ' ') + line.substr(cut + 1);
+    }
+  }
+  return out;
+}
+
 }  // namespace
 
 const char* verdict_word(Verdict verdict) {
@@ -112,11 +130,10 @@ std::string to_text(const Diagnosis& d) {
   for (const auto& n : d.noise)
     out += fmt::format("NOISE    {}: configured {:.3g}, measured {:.3g}\n", n.channel, n.configured, n.measured);
   for (const auto& r : d.residual)
-    out += fmt::format(
-        "CHANNEL  {}: rms {:.4g} -> {:.4g} {}, {}; smallest offset that would have been seen {:.2g} {}\n", r.channel,
-        r.rms_before, r.rms_after, r.unit, r.white ? "white" : "not white", r.smallest_seen, r.unit);
+    out += fmt::format("CHANNEL  {}: rms {:.4g} -> {:.4g} {}, {}; an offset is seen from {:.2g} on\n", r.channel,
+                       r.rms_before, r.rms_after, r.unit, r.white ? "white" : "not white", r.smallest_seen);
   for (const auto& n : d.notices) out += "NOTICE   " + n + "\n";
-  return out;
+  return wrapped(out);
 }
 
 std::string to_json(const Diagnosis& d) {

@@ -156,12 +156,12 @@ Finding describe_unknown(const SelfConsistency& model, Sensor sensor, const Cand
 }
 
 void fill_channels(const SelfConsistency& model, const std::array<SelfConsistency::Series, 2>& before, Diagnosis& d) {
-  constexpr double kHeatBlock_s = 2.0;
+  constexpr double kHeatBlock_s = 2.0, kMostBlocks = 2000.0;  // a clock may jump by years
   const auto& r = model.recording();
-  const double start_s = r.t_s(0);
-  const auto blocks = static_cast<std::size_t>((r.t_s(r.size() - 1) - start_s) / kHeatBlock_s) + 1;
-  for (std::size_t b = 0; b < blocks; ++b)
-    d.heat_t_s.push_back(start_s + kHeatBlock_s * (static_cast<double>(b) + 0.5));
+  const double start_s = r.t_s(0), span_s = r.t_s(r.size() - 1) - start_s;
+  const double block_s = std::max(kHeatBlock_s, span_s / kMostBlocks);
+  const auto blocks = static_cast<std::size_t>(span_s / block_s) + 1;
+  for (std::size_t b = 0; b < blocks; ++b) d.heat_t_s.push_back(start_s + block_s * (static_cast<double>(b) + 0.5));
   for (const Sensor s : {kGyr, kMag}) {
     const auto& first = before[s == kGyr ? 0 : 1];
     const auto last = model.series(s, {}, {});
@@ -178,8 +178,8 @@ void fill_channels(const SelfConsistency& model, const std::array<SelfConsistenc
                             4.0 * std::sqrt(square1) / n, kSensorUnit[s]});
       std::vector<double> heat(blocks, 0.0);
       for (std::size_t i = 0; i < first.t_s.size(); ++i)
-        heat[static_cast<std::size_t>((first.t_s[i] - start_s) / kHeatBlock_s)] +=
-            std::max(0.0, 0.5 * (first.residual[i][k] * first.residual[i][k] / noise - 1.0));
+        heat[static_cast<std::size_t>((first.t_s[i] - start_s) / block_s)] +=
+            0.5 * (first.residual[i][k] * first.residual[i][k] / noise - 1.0);
       d.heat_channels.push_back(fmt::format("{}_{}", kSensorName[s], "xyz"[k]));
       d.heat_nats.push_back(std::move(heat));
     }

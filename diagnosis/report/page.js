@@ -8,6 +8,7 @@
   const line = (label, name, extra) => Object.assign({ label, stroke: () => color(name), width: 1.2, points: { show: false } }, extra || {});
   const dots = (label, name) => line(label, name, { paths: () => null, points: { show: true, size: 3, stroke: () => color(name), fill: () => color(name) } });
 
+  const shortened = (label) => (label.length > 60 ? label.slice(0, 58) + ' …' : label);
   const powers = (u, values) => values.map((v) => (v === null ? '' : v.toExponential(0)));
 
   function add(id, data, series, axes, more) {
@@ -42,7 +43,7 @@
     const order = f.driver.map((_, i) => i).sort((a, b) => f.driver[a] - f.driver[b]);
     add('driver-' + k, [order.map((i) => f.driver[i]), order.map((i) => f.at_driver[i]), order.map((i) => f.law[i])],
         [dots('residual', '--before'), line('law', '--accent', { width: 2 })],
-        [axis(f.driver_label), axis(f.channel + ', ' + f.unit)], { scales: { x: { time: false } } });
+        [axis(shortened(f.driver_label)), axis(f.channel + ', ' + f.unit)], { scales: { x: { time: false } } });
     const lags = f.acf_before.map((_, i) => i);
     const band = lags.map(() => f.acf_band), under = lags.map(() => -f.acf_band);
     add('acf-' + k, [lags, f.acf_before, f.acf_after, band, under],

@@ -74,13 +74,13 @@ std::string parameter_table(const Finding& f) {
 std::string held_out_line(const HeldOut& h) {
   if (h.blocks == 0 && h.gain_nats == 0 && h.rms_before == 0) return {};
   return fmt::format(
-      "<h3>On data not used for the fit</h3><p>Gain {:.1f} nats; {} of {} blocks better; {:.0f} % of the removable "
+      "<h3>On data not used for the fit</h3><p>Gain {} nats; {} of {} blocks better; {:.0f} % of the removable "
       "error removed; "
       "rms {:.4g} before, {:.4g} after, {:.4g} noise floor ({}).</p><p class=\"how\">Under a noisy reference the rms "
       "hardly moves; the gain "
       "in nats is what counts: above 5 it is beyond chance.</p>",
-      h.gain_nats, h.blocks_better, h.blocks, 100.0 * h.removable_share_removed, h.rms_before, h.rms_after,
-      h.noise_floor, escaped(h.unit));
+      h.gain_nats < 1e4 ? fmt::format("{:.1f}", h.gain_nats) : fmt::format("{:.3g}", h.gain_nats), h.blocks_better,
+      h.blocks, 100.0 * h.removable_share_removed, h.rms_before, h.rms_after, h.noise_floor, escaped(h.unit));
 }
 
 std::string figure(const std::string& id, std::size_t k, const std::string& title, const std::string& how, bool there) {
@@ -231,14 +231,14 @@ std::string report_html(const Diagnosis& d, const ReportContext& context) {
   for (std::size_t k = 0; k < d.findings.size(); ++k) s += finding_card(d.findings[k], k);
   if (const auto map = svg::heat_map(d); !map.empty())
     s += "<h2>Where and when</h2><p class=\"how\">Misfit of the given simulation per channel and block of time, before "
-         "anything was added: dark cells "
-         "are where recording and simulation part.</p>" +
-         map;
+         "anything was added: cells in full "
+         "colour are where recording and simulation part.</p><div class=\"wide\">" +
+         map + "</div>";
   if (const auto bars = svg::ranking(d); !bars.empty())
     s += "<h2>Hypotheses</h2><p class=\"how\">Gain of each single law over the simulation, after the charge for its "
          "parameters; left of the red line "
-         "no name is stated. Blue: stated above.</p>" +
-         bars;
+         "no name is stated. Blue: stated above.</p><div class=\"wide\">" +
+         bars + "</div>";
   s += baseline_tables(d) + next_steps(d, context);
   s += "<script type=\"application/json\" id=\"figures\">" +
        inside_script(figure_data(d).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace)) +

@@ -11,6 +11,7 @@ namespace {
 constexpr double kWidth = 900.0;
 constexpr std::size_t kMostColumns = 120;
 constexpr std::size_t kMostRanked = 14;
+constexpr double kPlain_nats = 100.0;  // the full colour at least: noise must not glow for want of anything else
 
 /// Compresses gains, which span decades, so that small ones stay visible.
 double soft(double nats) { return nats <= 0 ? 0.0 : std::log10(1.0 + nats); }
@@ -48,7 +49,7 @@ std::string heat_map(const Diagnosis& d) {
   if (rows == 0 || d.heat_t_s.empty()) return {};
   const std::size_t step = (d.heat_t_s.size() + kMostColumns - 1) / kMostColumns;
   const std::size_t columns = (d.heat_t_s.size() + step - 1) / step;
-  double largest = 1.0;
+  double largest = kPlain_nats;
   std::vector<std::vector<double>> cell(rows, std::vector<double>(columns, 0.0));
   for (std::size_t r = 0; r < rows; ++r)
     for (std::size_t c = 0; c < std::min(d.heat_nats[r].size(), d.heat_t_s.size()); ++c) {
@@ -81,7 +82,7 @@ std::string heat_map(const Diagnosis& d) {
                      d.heat_t_s[at]);
   }
   s += fmt::format(
-      "<text class=\"quiet\" x=\"{}\" y=\"{}\">pale: agrees within noise; full colour: {:.3g} nats in one "
+      "<text class=\"quiet\" x=\"{}\" y=\"{}\">faint: agrees within noise; full colour: {:.3g} nats in one "
       "block</text></svg>",
       left, bottom + 38, largest);
   return s;
@@ -90,6 +91,12 @@ std::string heat_map(const Diagnosis& d) {
 std::string ranking(const Diagnosis& d) {
   auto ranked = d.ranking;
   std::sort(ranked.begin(), ranked.end(), [](const auto& a, const auto& b) { return a.gain_nats > b.gain_nats; });
+  std::vector<std::string> seen;  // a sensor is searched in several rounds; the best gain of a name counts
+  std::erase_if(ranked, [&seen](const RankedHypothesis& h) {
+    if (std::find(seen.begin(), seen.end(), h.effect) != seen.end()) return true;
+    seen.push_back(h.effect);
+    return false;
+  });
   if (ranked.size() > kMostRanked) ranked.resize(kMostRanked);
   if (ranked.empty()) return {};
   const double left = 190, right = 90, height = 19;
@@ -111,8 +118,9 @@ std::string ranking(const Diagnosis& d) {
   }
   s += fmt::format(
       "<line x1=\"{0:.1f}\" x2=\"{0:.1f}\" y1=\"0\" y2=\"{1}\" stroke=\"var(--bad)\" stroke-dasharray=\"4 3\"/>"
-      "<text class=\"quiet\" x=\"{0:.1f}\" y=\"{2}\">no name below {3:.1f} nats</text></svg>",
-      x(d.abstention_nats), bottom, bottom + 16, d.abstention_nats);
+      "<text class=\"quiet\" x=\"{0:.1f}\" y=\"{2}\" text-anchor=\"{4}\">no name below {3:.1f} nats</text></svg>",
+      x(d.abstention_nats), bottom, bottom + 16, d.abstention_nats,
+      x(d.abstention_nats) > kWidth / 2 ? "end" : "start");
   return s;
 }
 

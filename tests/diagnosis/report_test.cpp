@@ -52,6 +52,16 @@ TEST(Report, SaysVerdictParametersRankingAndAbstention) {
     EXPECT_THAT(html, HasSubstr(text));
 }
 
+/// A sensor is searched in several rounds; in the ranking a law stands once, with its best gain.
+TEST(Report, RanksEachLawOnce) {
+  Diagnosis d = example();
+  d.ranking = {{"mag_gradient", 30.0}, {"mag_gradient", 12.0}, {"mag_cubic", 8.0}};
+  const auto html = report_html(d, {});
+  EXPECT_EQ(html.find(">mag_gradient<"), html.rfind(">mag_gradient<"));
+  EXPECT_THAT(html, HasSubstr(">30.0<"));
+  EXPECT_THAT(html, HasSubstr(">mag_cubic<"));
+}
+
 TEST(Report, CannotBeBrokenByTextFromTheRecording) {
   const auto html = report_html(
       example(), {.recording = "<img onerror=x>.csv", .simulation = "b", .validation = "", .blocks_to_paste = ""});

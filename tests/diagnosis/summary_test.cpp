@@ -1,0 +1,30 @@
+/// The text for people: it fits a terminal, and loses no word for it.
+#include "diagnosis/summary.h"
+
+#include <gmock/gmock.h>
+
+#include <algorithm>
+#include <sstream>
+
+namespace stillpoint::diag {
+namespace {
+
+TEST(Summary, FitsEightyColumnsAndLosesNoWord) {
+  Diagnosis d;
+  d.summary = "No mismatch.";
+  const std::string word(120, 'x');
+  d.notices = {"one two three four five six seven eight nine ten eleven twelve thirteen fourteen fifteen sixteen",
+               word + " after a word longer than any line"};
+  const std::string text = to_text(d);
+  std::istringstream lines(text);
+  for (std::string line; std::getline(lines, line);)
+    EXPECT_TRUE(line.size() <= 80 || line.find(word) != std::string::npos) << line;
+  std::string joined = text;
+  std::replace(joined.begin(), joined.end(), '\n', ' ');
+  joined.erase(std::unique(joined.begin(), joined.end(), [](char a, char b) { return a == ' ' && b == ' '; }),
+               joined.end());
+  for (const std::string& n : d.notices) EXPECT_THAT(joined, testing::HasSubstr(n));
+}
+
+}  // namespace
+}  // namespace stillpoint::diag
