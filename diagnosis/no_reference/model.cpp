@@ -38,7 +38,7 @@ SelfConsistency::SelfConsistency(const io::Recording& recording, const sim::Simu
   const std::size_t n = recording.size();
   const bool has_mag = simulation.magnetometer && !recording.mag_uT.empty();
   const std::size_t stride = std::max<std::size_t>(1, n / kMostMagRows);
-  for (std::size_t i = 0; has_mag && i < n; i += stride)
+  for (std::size_t i = first_row(); has_mag && i < n; i += stride)
     if (recording.mag_uT[i].allFinite() && !raw.muted(kMag, i)) mag_rows_.push_back(i);
   const auto cell =
       std::max<std::size_t>(2, static_cast<std::size_t>(std::lround(kRestCell_s / recording.median_step_s())));
@@ -73,7 +73,6 @@ void SelfConsistency::expect_closure() {
 
 /// Rates, forces and attitude of every row from the nuisances as they stand.
 void SelfConsistency::integrate() {
-  const auto& first = rest_.front();
   const auto n = recording_.size();
   const auto &gyro = *simulation_.gyroscope, &acc = *simulation_.accelerometer;
   rate_.assign(n, Vec3::Zero()), force_.assign(n, Vec3::Zero()), R_.resize(n);
@@ -88,11 +87,10 @@ void SelfConsistency::integrate() {
     else if (i > 0)
       force_[i] = force_[i - 1];
   }
-  // Integrated forwards from the middle of the first rest; before it the body is taken to be where it is then.
-  Quat q = first_attitude_;
+  Quat q = first_attitude_;  // of the first rest; what lies before it is not looked at
   std::size_t knot = 0;
   for (std::size_t i = 0; i < n; ++i) {
-    if (i > first.first) q = (q * turn_between(recording_, rate_, i - 1, i)).normalized();
+    if (i > first_row()) q = (q * turn_between(recording_, rate_, i - 1, i)).normalized();
     for (; knot < knots_.size() && knots_[knot] == i; ++knot)
       q = (exp_quat(x_.segment<3>(kKnotsAt + 3 * static_cast<long>(knot))) * q).normalized();
     R_[i] = q.toRotationMatrix();
@@ -211,9 +209,8 @@ void SelfConsistency::sensor_column(Sensor sensor, const std::vector<Vec3>& unit
   if (sensor != kGyr) return;
   auto eps = integral(unit, R_, recording_);
   // A rate error before the first rest turns nothing that is compared: the attitude starts there.
-  const Vec3 start = eps[rest_.front().first];
-  for (std::size_t i = 0; i < eps.size(); ++i)
-    eps[i] = i < rest_.front().first ? Vec3::Zero().eval() : (start - eps[i]).eval();
+  const Vec3 start = eps[first_row()];
+  for (std::size_t i = 0; i < eps.size(); ++i) eps[i] = i < first_row() ? Vec3::Zero().eval() : (start - eps[i]).eval();
   attitude_column(eps, out);
 }
 

@@ -99,6 +99,8 @@ class SelfConsistency {
     std::size_t first, last;  ///< rows, inclusive
   };
   void take_out(const std::vector<LawColumn>& law, const Eigen::VectorXd& value);
+  /// Where the first rest begins: from there on the attitude is known.
+  [[nodiscard]] std::size_t first_row() const { return rest_.empty() ? 0 : rest_.front().first; }
   [[nodiscard]] Vec3 offset_at_rest() const;
   [[nodiscard]] Quat first_attitude() const;
   void integrate();
