@@ -60,11 +60,14 @@ std::string finding_text(const Finding& f) {
                   f.regime, f.interval_s[0], f.interval_s[1], f.equation, f.effect);
   for (const auto& p : f.parameters)
     out += fmt::format("         {} = {:+.4g} +- {:.2g} {}\n", p.name, p.value, 0.5 * (p.ci95[1] - p.ci95[0]), p.unit);
-  out += fmt::format(
-      "EVIDENCE held-out gain {:.0f} nats ({} of {} blocks better), p = {:.2g} after correcting for all hypotheses; "
-      "rms {:.4g} -> {:.4g} {}\n",
-      f.held_out.gain_nats, f.held_out.blocks_better, f.held_out.blocks, f.p_value, f.held_out.rms_before,
-      f.held_out.rms_after, f.held_out.unit);
+  if (f.held_out.blocks == 0 && f.held_out.rms_before == 0)
+    out += fmt::format("EVIDENCE shows without a fit, in the readings or their means; p = {:.2g}\n", f.p_value);
+  else
+    out += fmt::format(
+        "EVIDENCE held-out gain {:.0f} nats ({} of {} blocks better), p = {:.2g} after correcting for all hypotheses; "
+        "rms {:.4g} -> {:.4g} {}\n",
+        f.held_out.gain_nats, f.held_out.blocks_better, f.held_out.blocks, f.p_value, f.held_out.rms_before,
+        f.held_out.rms_after, f.held_out.unit);
   if (!f.runner_up_effect.empty())
     out += fmt::format("RUNNER-UP {}: {}\n", f.runner_up_effect, f.runner_up_why_rejected);
   if (!f.equivalent.empty()) out += fmt::format("NOT EXCLUDED {}\n", fmt::join(f.equivalent, ", "));

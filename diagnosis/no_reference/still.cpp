@@ -63,7 +63,7 @@ Still cells_of(const io::Recording& r, Sensor s) {
 Eigen::MatrixXd increments(const Eigen::MatrixXd& m) { return m.bottomRows(m.rows() - 1) - m.topRows(m.rows() - 1); }
 
 struct StillLaw {
-  std::string id, equation, unit;
+  std::string id, equation, unit;  ///< unit of the reading
   std::vector<std::string> symbols;
   Eigen::MatrixXd columns;
   double tau_s = 0.0;
@@ -130,16 +130,15 @@ std::vector<StillLaw> laws_of(const Still& s, const std::string& sensor, const s
   const Eigen::VectorXd tau = s.temp.array() - 25.0;
   Eigen::MatrixXd quad(tau.size(), 2);
   quad << tau, tau.cwiseAbs2();
-  laws.push_back({sensor + "_temp_lin", "D = k (T - T0)", unit + "/K", {"k"}, tau, 0.0});
-  laws.push_back(
-      {sensor + "_temp_quad", "D = k1 tau + k2 tau^2, tau = T - T0", unit + "/K, /K^2", {"k1", "k2"}, quad, 0.0});
+  laws.push_back({sensor + "_temp_lin", "D = k (T - T0)", unit, {"k"}, tau, 0.0});
+  laws.push_back({sensor + "_temp_quad", "D = k1 tau + k2 tau^2, tau = T - T0", unit, {"k1", "k2"}, quad, 0.0});
   const double span_s = s.t_s.back() - s.t_s.front();
   for (const double share : kLagShares) {
     Eigen::MatrixXd lag(tau.size(), 2);
     lag << tau, behind(s, share * span_s);
     laws.push_back({sensor + "_temp_lag",
                     "D = k0 (T - T0) + k (T - T_L), tau dT_L/dt = T - T_L",
-                    unit + "/K",
+                    unit,
                     {"k0", "k"},
                     lag,
                     share * span_s});
@@ -162,7 +161,10 @@ Finding describe(const Still& s, Sensor sensor, const StillLaw& law, const Judge
     for (std::size_t i = 0; i < law.symbols.size(); ++i) {
       const auto row = static_cast<long>(i);
       const double half = 1.96 * j.sd(row, axis), v = j.value(row, axis);
-      f.parameters.push_back({fmt::format("{}_{}", law.symbols[i], "xyz"[axis]), v, {v - half, v + half}, law.unit});
+      f.parameters.push_back({fmt::format("{}_{}", law.symbols[i], "xyz"[axis]),
+                              v,
+                              {v - half, v + half},
+                              law.unit + (law.symbols[i] == "k2" ? "/K^2" : "/K")});
     }
   }
   if (f.channels.empty()) f.channels.push_back(fmt::format("{}_{}", kSensorName[sensor], "xyz"[k]));
