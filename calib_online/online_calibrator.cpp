@@ -106,12 +106,11 @@ bool OnlineCalibrator::absorb(const Window& window) noexcept {
 /// What a triad (acc, gyr, mag) that is stuck or clipped has learnt stays; its status says that it cannot be relied on
 /// now.
 void OnlineCalibrator::name_fault(std::size_t triad) noexcept {
-  constexpr std::array<std::uint8_t, 3> kBits{kAcc, kGyr, kMag};
   const std::array<TriadCalibration*, 3> triads{&snapshot_.acc, &snapshot_.gyr, &snapshot_.mag};
   CalibrationStatus& status = triads[triad]->status;
   s_.sound[triad] = status;
-  if ((s_.clipped & kBits[triad]) != 0) status = CalibrationStatus::kClipped;
-  if ((s_.stuck & kBits[triad]) != 0) status = CalibrationStatus::kStuck;
+  if ((s_.clipped & kTriadBits[triad]) != 0) status = CalibrationStatus::kClipped;
+  if ((s_.stuck & kTriadBits[triad]) != 0) status = CalibrationStatus::kStuck;
 }
 
 bool OnlineCalibrator::learn(const Window& window) noexcept {

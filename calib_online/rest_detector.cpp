@@ -9,7 +9,6 @@
 namespace stillpoint::calib {
 namespace {
 
-constexpr int kAccIndex = 0, kGyrIndex = 1, kMagIndex = 2;
 constexpr double kMovedRate_radps = 0.35;      // faster than any turn a stretch of rest could hide
 constexpr double kDriftMemory_s = 0.1;         // of the mean that every sample since a window feeds
 constexpr double kDriftSpreads = 2.0;          // of the spread that a window of rest may have: beyond, it is over
@@ -51,8 +50,7 @@ std::optional<Window> RestDetector::push(const RawSample& sample, const Calibrat
   std::optional<Window> window;
   if (open_ && sample.t_ns - current_.t_first_ns >= quarter_ns_) {
     if (filled_ == kQuarters) {
-      for (int k = 1; k < kQuarters; ++k)
-        quarters_[static_cast<std::size_t>(k - 1)] = quarters_[static_cast<std::size_t>(k)];
+      std::copy(quarters_.begin() + 1, quarters_.end(), quarters_.begin());
       --filled_;
     }
     quarters_[static_cast<std::size_t>(filled_++)] = current_;
@@ -152,9 +150,8 @@ void RestDetector::add(const RawSample& sample, const CalibrationSnapshot& calib
   current_.t_last_ns = sample.t_ns;
 }
 
-void RestDetector::add(int which, const Array3& raw, const TriadCalibration& calibration, double temp_degC, int block,
-                       const Mat3& R_ref_body) noexcept {
-  const auto w = static_cast<std::size_t>(which);
+void RestDetector::add(std::size_t w, const Array3& raw, const TriadCalibration& calibration, double temp_degC,
+                       int block, const Mat3& R_ref_body) noexcept {
   const auto b = static_cast<std::size_t>(block);
   Triad& triad = current_.triad[w];
   const Vec3 u = calibration.apply(raw, temp_degC);
@@ -181,7 +178,7 @@ void RestDetector::add(int which, const Array3& raw, const TriadCalibration& cal
 
 std::optional<Window> RestDetector::evaluate(const CalibrationSnapshot& calibration) noexcept {
   Evidence e;
-  for (int k = 0; k < 3; ++k) e.triad[static_cast<std::size_t>(k)] = summarise(k);
+  for (std::size_t k = 0; k < 3; ++k) e.triad[k] = summarise(k);
   double temp_sum = 0.0;
   int temp_count = 0;
   for (const auto& q : quarters_) {
@@ -243,15 +240,14 @@ Window RestDetector::make_window(const Evidence& e, Refusal rate, const Calibrat
   const std::array<const TriadCalibration*, 3> used{&calibration.acc, &calibration.gyr, &calibration.mag};
   const std::array<Array3*, 3> means{&w.acc_mps2, &w.gyr_radps, &w.mag_uT};
   const std::array<Array9*, 3> covs{&w.acc_cov, &w.gyr_cov, &w.mag_cov};
-  const std::array<std::uint8_t, 3> bits{kAcc, kGyr, kMag};
   for (std::size_t k = 0; k < 3; ++k) {
     if (e.triad[k].n == 0 || (k == kGyrIndex && rate != Refusal::kNone)) continue;
-    if (((e.stuck | e.clipped) & bits[k]) != 0) continue;
+    if (((e.stuck | e.clipped) & kTriadBits[k]) != 0) continue;
     for (int axis = 0; axis < 3; ++axis) {
       const Summary& s = e.triad[k];
       noisy_[k][static_cast<std::size_t>(axis)] |= s.noise_sd[axis] > kNoisy * s.least_step[axis];
     }
-    w.has = static_cast<std::uint8_t>(w.has | bits[k]);
+    w.has = static_cast<std::uint8_t>(w.has | kTriadBits[k]);
     // Back to raw readings: the window must not depend on the calibration that was in force when it was seen.
     const Mat3 H_inv = mat(used[k]->matrix).inverse();
     const Vec3 u = e.use_still && k != kGyrIndex ? e.triad[k].mean_still : e.triad[k].mean;
@@ -268,7 +264,7 @@ Window RestDetector::make_window(const Evidence& e, Refusal rate, const Calibrat
   hand_on_rotation(w, calibration);
   held_ = Held{};
   for (std::size_t k = 0; k < 2; ++k) {
-    held_.has[k] = (w.has & bits[k]) != 0;
+    held_.has[k] = (w.has & kTriadBits[k]) != 0;
     held_.mean[k] = vec(*means[k]);
     held_.drift[k] = Vec3::Zero();
     held_.noise_sd[k] = std::sqrt(e.triad[k].white_var);

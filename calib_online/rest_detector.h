@@ -136,13 +136,13 @@ class RestDetector {
 
   void integrate(const RawSample& sample, const CalibrationSnapshot& calibration, double temp_degC) noexcept;
   void add(const RawSample& sample, const CalibrationSnapshot& calibration, double temp_degC) noexcept;
-  void add(int which, const Array3& raw, const TriadCalibration& calibration, double temp_degC, int block,
+  void add(std::size_t triad, const Array3& raw, const TriadCalibration& calibration, double temp_degC, int block,
            const Mat3& R_ref_body) noexcept;
   void begin_quarter(const RawSample& sample) noexcept;
   void hold_against_rest(const RawSample& sample, double dt_s) noexcept;
   void restart() noexcept;
   std::optional<Window> evaluate(const CalibrationSnapshot& calibration) noexcept;
-  [[nodiscard]] Summary summarise(int which) const noexcept;
+  [[nodiscard]] Summary summarise(std::size_t triad) const noexcept;
   void judge_faults(Evidence& e) const noexcept;
   std::optional<Window> tell_faults(const Evidence& e) noexcept;
   [[nodiscard]] Refusal judge_force(Evidence& e, const CalibrationSnapshot& calibration) const noexcept;

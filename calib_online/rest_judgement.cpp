@@ -9,7 +9,6 @@
 namespace stillpoint::calib {
 namespace {
 
-constexpr std::size_t kAccIndex = 0, kGyrIndex = 1, kMagIndex = 2;
 constexpr int kLeastSamples = 12;         // three a quarter
 constexpr double kAccDrift_mps2 = 0.01;   // 1 mg: what an accelerometer may drift between anchor and now
 constexpr double kMagDrift_uT = 0.3;      // the same for the field and its sensor
@@ -49,9 +48,8 @@ std::string_view name(Refusal refusal) noexcept {
   return "?";
 }
 
-RestDetector::Summary RestDetector::summarise(int which) const noexcept {
+RestDetector::Summary RestDetector::summarise(std::size_t w) const noexcept {
   Summary s;
-  const auto w = static_cast<std::size_t>(which);
   const Mat3 R_middle_ref = quarters_[kQuarters / 2].chain.q.toRotationMatrix().transpose();
   std::array<Vec3, kQuarters> mean, mean_ref;
   Vec3 total = Vec3::Zero(), total_ref = Vec3::Zero(), sq = Vec3::Zero(), raw_step_sq = Vec3::Zero();
@@ -117,7 +115,6 @@ RestDetector::Summary RestDetector::summarise(int which) const noexcept {
 /// An axis without noise is a coarse one at rest, or stuck (at its limit, too): stuck when it was noisier than its
 /// lattice before, or when all that the sensor measures of motion stands still at once.
 void RestDetector::judge_faults(Evidence& e) const noexcept {
-  const std::array<std::uint8_t, 3> bits{kAcc, kGyr, kMag};
   const auto still = [](const Summary& s) { return s.constant[0] && s.constant[1] && s.constant[2]; };
   const bool both = still(e.triad[kAccIndex]) && still(e.triad[kGyrIndex]);
   for (std::size_t k = 0; k < 3; ++k) {
@@ -125,8 +122,8 @@ void RestDetector::judge_faults(Evidence& e) const noexcept {
     if (s.n < kLeastSamples) continue;
     bool stuck = both && k != kMagIndex;
     for (std::size_t axis = 0; axis < 3; ++axis) stuck = stuck || (s.constant[axis] && noisy_[k][axis]);
-    if (stuck) e.stuck = static_cast<std::uint8_t>(e.stuck | bits[k]);
-    if (s.clipped > kClippedShare * s.n) e.clipped = static_cast<std::uint8_t>(e.clipped | bits[k]);
+    if (stuck) e.stuck = static_cast<std::uint8_t>(e.stuck | kTriadBits[k]);
+    if (s.clipped > kClippedShare * s.n) e.clipped = static_cast<std::uint8_t>(e.clipped | kTriadBits[k]);
   }
 }
 

@@ -4,6 +4,7 @@
 /// Miniature Inertial and Magnetic Sensor Units", eq. (24) (rotations between orientations); docs/math/rest.md.
 #pragma once
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <string_view>
 #include <type_traits>
@@ -14,6 +15,10 @@ namespace stillpoint::calib {
 
 using Array4 = std::array<double, 4>;    ///< a quaternion w, x, y, z
 using Array27 = std::array<double, 27>;  ///< a 3x9 matrix, row-major
+
+/// The order of the triads wherever they stand in an array, and their bits.
+inline constexpr std::size_t kAccIndex = 0, kGyrIndex = 1, kMagIndex = 2;
+inline constexpr std::array<std::uint8_t, 3> kTriadBits{kAcc, kGyr, kMag};
 
 /// Why a stretch of samples is not a rest window.
 enum class Refusal : std::uint8_t {
