@@ -1,0 +1,86 @@
+/// Frame, error and jitter of the reference or its clock: named with their size and sign, under an exact reference and
+/// under a camera. A flipped sign in any of them fails here.
+#include <gmock/gmock.h>
+
+#include <cmath>
+
+#include "tests/diagnosis/simulated.h"
+
+namespace stillpoint::diag {
+namespace {
+
+const Finding* finding(const Answer& answer, const std::string& id) {
+  for (const Finding& f : answer.diagnosis.findings)
+    if (f.effect == id) return &f;
+  return nullptr;
+}
+
+double residual_rms(const Answer& answer, const std::string& channel) {
+  for (const auto& r : answer.diagnosis.residual)
+    if (r.channel == channel) return r.rms_after;
+  return HUGE_VAL;
+}
+
+TEST(ReferenceHypotheses, TheTurnOfTheReferencesBodyIsFoundWithItsSigns) {
+  const std::vector<double> phi{0.03, -0.02, 0.04};
+  for (const char* reference : {"exact", "mocap"}) {
+    const auto config = test::baseline(reference, 60.0);
+    const Answer answer = diagnose(test::record(config, "ref_frame", {{"phi_rad", phi}}, 31), config);
+    ASSERT_THAT(test::names(answer), testing::ElementsAre("ref_frame")) << reference;
+    // The turn is taken out: under a camera its own noise stays, without one only that of the sensor.
+    const HeldOut& held = finding(answer, "ref_frame")->held_out;
+    EXPECT_LT(held.rms_after, std::string(reference) == "exact" ? 1.1 * held.noise_floor : 0.99 * held.rms_before);
+    for (std::size_t a = 0; a < 3; ++a)
+      EXPECT_NEAR(finding(answer, "ref_frame")->parameters[a].value, phi[a], 1.5e-3) << reference << " " << a;
+  }
+}
+
+TEST(ReferenceHypotheses, TheScatterOfTheReferenceIsFoundInItsSize) {
+  auto config = test::baseline("exact", 60.0);
+  config.reference.stated = true;
+  const Answer answer =
+      diagnose(test::record(config, "ref_error",
+                            {{"orientation_sd_rad", {0.002}}, {"position_sd_m", {3e-4}}, {"band_hz", {10.0}}}, 32),
+               config);
+  const Finding* f = finding(answer, "ref_error");
+  ASSERT_NE(f, nullptr);
+  EXPECT_NEAR(f->parameters[0].value, 0.002, 3e-4);
+  EXPECT_NEAR(f->parameters[1].value, 3e-4, 5e-5);
+  EXPECT_GT(f->parameters[2].value, 5.0);
+  EXPECT_LT(f->parameters[2].value, 20.0);
+}
+
+/// What the simulation says of its reference is not found a second time: only what is beyond it.
+TEST(ReferenceHypotheses, TheScatterIsWhatIsBeyondTheStatedOne) {
+  auto config = test::baseline("exact", 60.0);
+  config.reference.stated = true;
+  auto recorded = config;
+  recorded.effects.push_back(
+      {.id = "ref_error",
+       .parameters = {{"orientation_sd_rad", {0.003}}, {"position_sd_m", {5e-4}}, {"band_hz", {10.0}}},
+       .axes = {},
+       .window_s = {}});
+  config.reference.kind = "mocap";
+  config.reference.orientation_sd_rad = 0.0015, config.reference.position_sd_m = 3e-4;
+  const Answer answer = diagnose(test::record(recorded, "", {}, 34), config);
+  const Finding* f = finding(answer, "ref_error");
+  ASSERT_NE(f, nullptr);
+  EXPECT_NEAR(f->parameters[0].value, std::sqrt(0.003 * 0.003 - 0.0015 * 0.0015), 2.5e-4);
+  EXPECT_NEAR(f->parameters[1].value, 4e-4, 4e-5);
+}
+
+/// The clock of each row is estimated from all channels: taken out with the wrong sign it would stand there twice.
+TEST(ReferenceHypotheses, JitterIsFoundInItsSizeAndTakenOut) {
+  auto config = test::baseline("exact", 60.0);
+  config.rate_hz = 100;
+  const Answer answer = diagnose(test::record(config, "sys_jitter", {{"sd_s", {3e-4}}}, 33), config);
+  const Finding* f = finding(answer, "sys_jitter");
+  ASSERT_NE(f, nullptr);
+  EXPECT_NEAR(f->parameters[0].value, 3e-4, 3e-5);
+  EXPECT_GT(f->held_out.rms_before, 2.0 * f->held_out.noise_floor);
+  for (const char* channel : {"gyr_x", "gyr_y", "gyr_z"})
+    EXPECT_LT(residual_rms(answer, channel), 1.5 * config.gyroscope->noise_sd) << channel;
+}
+
+}  // namespace
+}  // namespace stillpoint::diag
