@@ -235,8 +235,7 @@ AttitudeEstimate AttitudeFilter::estimate(std::int64_t t_ns) const noexcept {
     out.gyro_bias_radps = s_.x.gyr_bias_radps;
   }
   out.covariance_world_rad2 = stillpoint::array(cov);
-  const double heading = heading_of(quat(out.q_world_body));
-  const Vec3 ahead(std::cos(heading), std::sin(heading), 0.0);
+  const Vec3 ahead = direction_of_heading(quat(out.q_world_body));
   const Vec3 across(-ahead.y(), ahead.x(), 0.0);
   out.sigma_roll_rad = std::sqrt(std::max(0.0, ahead.dot(cov * ahead)));
   out.sigma_pitch_rad = std::sqrt(std::max(0.0, across.dot(cov * across)));
