@@ -5,8 +5,8 @@
 #include <random>
 #include <set>
 
+#include "diagnosis/prove/draw.h"
 #include "diagnosis/prove/prove.h"
-#include "diagnosis/prove/sha256.h"
 #include "diagnosis/prove/strength.h"
 #include "io/simulated_recording.h"
 #include "simulation/effect_catalogue.h"
@@ -37,27 +37,6 @@ const std::vector<std::string> kAbsorbed{"gyr_temp_lin", "gyr_temp_quad", "gyr_t
 const std::vector<std::string> kWeak{"acc_temp_lin", "acc_volt", "acc_asym",     "gyr_temp_lin",
                                      "gyr_asym",     "gyr_volt", "mag_temp_lin", "mag_current"};
 const std::vector<std::string> kElectrical{"mag_current", "gyr_volt", "acc_volt"};
-
-class Draw {
- public:
-  Draw(const std::string& salt, std::size_t index) {
-    const std::string digest = sha256(fmt::format("{}/{}", salt, index));
-    std::seed_seq seed(digest.begin(), digest.end());
-    engine_.seed(seed);
-  }
-  double uniform(double a, double b) { return a + (b - a) * std::uniform_real_distribution<double>()(engine_); }
-  double log_uniform(double a, double b) { return std::exp(uniform(std::log(a), std::log(b))); }
-  double normal() { return normal_(engine_); }
-  std::uint64_t bits() { return engine_(); }
-  template <class T>
-  const T& one_of(const std::vector<T>& list) {
-    return list[engine_() % list.size()];
-  }
-
- private:
-  std::mt19937_64 engine_;
-  std::normal_distribution<double> normal_;
-};
 
 sim::TriadConfig triad_of(Draw& draw, double bias, double matrix, double noise) {
   sim::TriadConfig t;

@@ -8,4 +8,8 @@ namespace stillpoint::diag {
 [[nodiscard]] FindingFigures curves_of(const Signals& s, const SensorSearch& search, std::size_t index,
                                        const Finished& finished);
 
+/// One sensor's rows of the heat map, for the report: what the noise does not explain without the findings, in nats, by
+/// channel and block of the noise's scale.
+void heat_of(const Signals& s, const SensorSearch& search, Diagnosis& out);
+
 }  // namespace stillpoint::diag

@@ -242,29 +242,6 @@ void residual_of(const Signals& s, const SensorSearch& search, const Finished& f
   }
 }
 
-void heat_of(const Signals& s, const SensorSearch& search, Answer& answer) {
-  Target t = search.target;
-  for (const Found& f : search.found)
-    if (f.offset.size()) t.residual += f.offset;
-  t.walk.resize(0, 0);
-  const Layout& layout = t.layout;
-  const NoiseModel noise(layout, fit_profile(search.target, search.explained()).leftover);
-  const Series3 left = fit_with(t, {}, noise, {}).leftover;
-  for (int axis = 0; axis < 3; ++axis) {
-    const Series w = noise.whiten(layout, left.col(axis), axis);
-    std::vector<double> row, times;
-    for (Eigen::Index b = 0; b < layout.n; b += layout.block) {
-      const Eigen::Index length = std::min(layout.block, layout.n - b);
-      row.push_back(0.5 * (w.segment(b, length).squaredNorm() - layout.counts.segment(b, length).sum()));
-      times.push_back((static_cast<double>(b) + 0.5 * static_cast<double>(length)) * s.dt_s);
-    }
-    answer.diagnosis.heat_channels.push_back(
-        fmt::format("{}_{}", kSensorName[search.sensor], kAxisName[static_cast<std::size_t>(axis)]));
-    answer.diagnosis.heat_t_s = times;
-    answer.diagnosis.heat_nats.push_back(row);
-  }
-}
-
 }  // namespace
 
 void report_sensor(const Signals& s, const EngineResult& engine, Sensor sensor,
@@ -310,7 +287,7 @@ void report_sensor(const Signals& s, const EngineResult& engine, Sensor sensor,
   for (auto& e : effects) answer.effects.push_back(std::move(e));
   configuration_of(s, search, finished, answer);
   residual_of(s, search, finished, answer);
-  heat_of(s, search, answer);
+  heat_of(s, search, answer.diagnosis);
   for (const Ranked& r : search.ranking) answer.diagnosis.ranking.push_back({r.id, r.gain_nats});
 }
 
