@@ -4,6 +4,7 @@
 #include <sched.h>
 #include <stillpoint_idl/stillpointPubSubTypes.h>
 #include <sys/mman.h>
+#include <sys/prctl.h>
 #include <sys/socket.h>
 #include <sys/syscall.h>
 #include <time.h>
@@ -150,6 +151,8 @@ int receive_daemon(Receipts& receipts, const io::DdsParams& params) {
 }  // namespace
 
 bool schedule_this_thread(int core, int fifo_priority) {
+  prctl(PR_SET_TIMERSLACK,
+        1UL);  // as the daemon's threads: no floor is to wait longer than what is measured against it
   if (core >= 0) {
     cpu_set_t set;
     CPU_ZERO(&set);

@@ -65,7 +65,8 @@ Tail run(const std::vector<RawSample>& samples, const std::vector<calib::Window>
   pipeline::Stages stages({}, calibrator.snapshot());
   NoSink sink;
   NoObserver observer;
-  pipeline::SensorLoop<decltype(source), NoSink> sensor(source, stages, sink, *shared, pipeline::OnLateAnswer::kGoOn);
+  pipeline::SensorLoop<decltype(source), NoSink> sensor(source, stages, sink, *shared, pipeline::OnLateAnswer::kGoOn,
+                                                        pipeline::ThreadParams{}.rehearse_ahead_s);
   pipeline::CalibrationLoop<NoObserver> calibration(calibrator, *shared, observer, 0.002);
   const int cores = static_cast<int>(std::thread::hardware_concurrency());
   const int other = cores > 1 ? 1 : 0;

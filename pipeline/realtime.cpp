@@ -3,6 +3,7 @@
 #include <pthread.h>
 #include <sched.h>
 #include <sys/mman.h>
+#include <sys/prctl.h>
 
 #include <cerrno>
 #include <cstring>
@@ -31,6 +32,7 @@ std::vector<std::string> prepare_thread(const char* name, int core, int fifo_pri
   std::vector<std::string> refused;
   pthread_setname_np(pthread_self(), name);
   touch_stack();
+  prctl(PR_SET_TIMERSLACK, 1UL);  // ns; never refused
   const std::string thread = std::string(name) + " thread: ";
   if (core >= 0) {
     cpu_set_t cores;

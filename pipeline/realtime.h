@@ -15,6 +15,7 @@ struct ThreadParams {
   int fifo_priority = 0;
   bool lock_memory = false;
   double calibration_poll_s = 0.002;
+  double rehearse_ahead_s = 40e-6;
 
   static constexpr auto fields() {
     using P = ThreadParams;
@@ -25,7 +26,9 @@ struct ThreadParams {
               "SCHED_FIFO priority of the sensor thread; 0: normal"),
         field("lock_memory", &P::lock_memory, "keep all memory in RAM (mlockall) and touch the stack before starting"),
         field("calibration_poll_s", &P::calibration_poll_s, in_range(1e-4, 0.1),
-              "the calibration thread looks at its rings this often; the sensor thread never wakes it")};
+              "the calibration thread looks at its rings this often; the sensor thread never wakes it"),
+        field("rehearse_ahead_s", &P::rehearse_ahead_s, in_range(0.0, 1e-3),
+              "the sensor thread wakes this long before a sample and warms its caches; 0: never")};
   }
 };
 
@@ -33,7 +36,8 @@ struct ThreadParams {
 /// Empty: done. Otherwise what was refused and what to do about it, in one sentence.
 [[nodiscard]] std::optional<std::string> lock_memory();
 
-/// For the calling thread: touches the stack it will use, pins it and asks for SCHED_FIFO. What was refused, in words.
+/// For the calling thread: touches the stack it will use, has its sleeps end on time (normal scheduling allows 50 us
+/// of slack), pins it and asks for SCHED_FIFO. What was refused, in words.
 [[nodiscard]] std::vector<std::string> prepare_thread(const char* name, int core, int fifo_priority);
 
 }  // namespace stillpoint::pipeline

@@ -4,6 +4,7 @@
 #include <atomic>
 
 #include "core/attitude_message.h"
+#include "pipeline/rehearsal.h"
 #include "pipeline/stages.h"
 
 namespace stillpoint::pipeline {
@@ -48,9 +49,17 @@ enum class AtEnd : std::uint8_t { kStop, kWait };
 template <Source S, Sink<AttitudeMessage> Out>
 class SensorLoop {
  public:
-  /// All of these live longer than the loop.
-  SensorLoop(S& source, Stages& stages, Out& sink, Shared& shared, OnLateAnswer late) noexcept
-      : source_(source), stages_(stages), sink_(sink), shared_(shared), link_(shared.calibration, late, shared.stop) {}
+  /// All of these live longer than the loop. `rehearse_ahead_s`: see Rehearsal; 0 for a source that is not paced by
+  /// time.
+  SensorLoop(S& source, Stages& stages, Out& sink, Shared& shared, OnLateAnswer late, double rehearse_ahead_s) noexcept
+      : source_(source),
+        stages_(stages),
+        sink_(sink),
+        shared_(shared),
+        link_(shared.calibration, late, shared.stop),
+        rehearsal_(stages, rehearse_ahead_s) {}
+
+  [[nodiscard]] std::uint64_t rehearsals() const noexcept { return rehearsal_.count(); }
 
   /// Returns when asked to stop, or at the end of the source if that is what the end means.
   void run(AtEnd at_end) noexcept {
@@ -58,6 +67,7 @@ class SensorLoop {
       const SourceState state = source_.next(arrival_);
       if (state == SourceState::kSample) {
         handle();
+        rehearsal_.before_next(stages_, arrival_.sample, arrival_.arrival_ns);
       } else if (state == SourceState::kGone || state == SourceState::kEnd) {
         change_state(state == SourceState::kGone ? SensorState::kGone : SensorState::kEnded);
         if (state == SourceState::kEnd && at_end == AtEnd::kStop) break;
@@ -117,6 +127,7 @@ class SensorLoop {
   Out& sink_;
   Shared& shared_;
   ThreadLink link_;
+  Rehearsal rehearsal_;
   Arrival arrival_;
   Processed result_;
   Outgoing out_;

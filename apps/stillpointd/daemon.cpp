@@ -88,7 +88,7 @@ class Running {
         shared_(std::make_unique<pipeline::Shared>()),
         stages_(io::stages_params(config), calibrator.snapshot()),
         work_(config, publisher, calibrator, store, *shared_),
-        sensor_(source_, stages_, publisher_, *shared_, pipeline::OnLateAnswer::kWait),
+        sensor_(source_, stages_, publisher_, *shared_, pipeline::OnLateAnswer::kWait, config.threads.rehearse_ahead_s),
         calibration_(calibrator, *shared_, work_, config.threads.calibration_poll_s) {}
 
   /// Returns when both threads have ended.

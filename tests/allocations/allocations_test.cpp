@@ -45,5 +45,22 @@ TEST(Allocations, TenThousandSamplesThroughTheSensorThreadsStagesMakeNone) {
   EXPECT_GT(stages.counts().windows, windows_before) << "no window was found: the count would not cover them";
 }
 
+TEST(Allocations, ARehearsalMakesNone) {
+  const auto samples = test::hand_samples(2.0);
+  calib::OnlineCalibrator calibrator({}, {});
+  DirectLink link(calibrator);
+  Stages stages(StagesParams{}, calibrator.snapshot());
+  Processed processed;
+  Rehearsal rehearsal(stages, 200e-6);
+  const std::int64_t start_ns = monotonic_ns();
+  const std::size_t before = bench::allocations();
+  for (std::size_t i = 0; i < 100; ++i) {
+    ASSERT_NE(stages.process(samples[i], processed, link), StageStatus::kDrop);
+    rehearsal.before_next(stages, samples[i], start_ns + static_cast<std::int64_t>(i) * 1'000'000);
+  }
+  EXPECT_EQ(bench::allocations() - before, 0U);
+  EXPECT_GT(rehearsal.count(), 10U);
+}
+
 }  // namespace
 }  // namespace stillpoint::pipeline

@@ -43,13 +43,20 @@ std::vector<AttitudeMessage> offline(const std::vector<RawSample>& samples) {
   return out;
 }
 
-std::vector<AttitudeMessage> in_two_threads(const std::vector<RawSample>& samples, Watch& watch, double poll_s) {
+struct Run {
+  std::vector<AttitudeMessage> messages;
+  std::uint64_t rehearsals = 0;
+};
+
+/// `speed` and `rehearse_ahead_s` as in the configuration.
+Run in_two_threads(const std::vector<RawSample>& samples, Watch& watch, double poll_s, double speed = 0.0,
+                   double rehearse_ahead_s = 0.0) {
   const auto shared = std::make_unique<Shared>();
   calib::OnlineCalibrator calibrator({}, {});
-  MemorySource source(samples);
+  PacedSource source(MemorySource(samples), speed);
   Stages stages(StagesParams{}, calibrator.snapshot());
   Collect sink;
-  SensorLoop<MemorySource, Collect> sensor(source, stages, sink, *shared, OnLateAnswer::kWait);
+  SensorLoop<decltype(source), Collect> sensor(source, stages, sink, *shared, OnLateAnswer::kWait, rehearse_ahead_s);
   CalibrationLoop<Watch> calibration(calibrator, *shared, watch, poll_s);
   std::thread slow([&] { calibration.run(); });
   std::thread fast([&] { sensor.run(AtEnd::kStop); });
@@ -57,7 +64,18 @@ std::vector<AttitudeMessage> in_two_threads(const std::vector<RawSample>& sample
   slow.join();
   EXPECT_EQ(stages.counts().answers_late, 0U);
   EXPECT_EQ(watch.samples + shared->outgoing.dropped(), samples.size());
-  return sink.messages;
+  return {sink.messages, sensor.rehearsals()};
+}
+
+void expect_the_same_bits(const std::vector<AttitudeMessage>& got, const std::vector<AttitudeMessage>& expected) {
+  ASSERT_EQ(got.size(), expected.size());
+  for (std::size_t i = 0; i < got.size(); ++i) {
+    ASSERT_EQ(got[i].calibration_version, expected[i].calibration_version) << "sample " << i;
+    for (std::size_t k = 0; k < 4; ++k)
+      ASSERT_EQ(std::bit_cast<std::uint64_t>(got[i].q_world_body_xyzw[k]),
+                std::bit_cast<std::uint64_t>(expected[i].q_world_body_xyzw[k]))
+          << "sample " << i;
+  }
 }
 
 TEST(Threads, GiveTheSameBitsAsOneThreadHoweverSlowTheCalibrationIs) {
@@ -67,16 +85,40 @@ TEST(Threads, GiveTheSameBitsAsOneThreadHoweverSlowTheCalibrationIs) {
   for (const int pause_ms : {0, 3}) {
     Watch watch{.pause_ms = pause_ms};
     const auto got = in_two_threads(samples, watch, pause_ms == 0 ? 1e-4 : 5e-3);
-    ASSERT_EQ(got.size(), expected.size());
     EXPECT_GT(watch.calibrations, 1U);
-    for (std::size_t i = 0; i < got.size(); ++i) {
-      ASSERT_EQ(got[i].calibration_version, expected[i].calibration_version) << "sample " << i;
-      for (std::size_t k = 0; k < 4; ++k)
-        ASSERT_EQ(std::bit_cast<std::uint64_t>(got[i].q_world_body_xyzw[k]),
-                  std::bit_cast<std::uint64_t>(expected[i].q_world_body_xyzw[k]))
-            << "sample " << i;
-    }
+    expect_the_same_bits(got.messages, expected);
   }
+}
+
+TEST(Rehearsal, ChangesNothingOfWhatIsPublished) {
+  const auto samples = test::hand_samples(40.0);
+  Watch watch;
+  const auto got = in_two_threads(samples, watch, 1e-4, 20.0, 150e-6);
+  EXPECT_GT(got.rehearsals, 100U) << "hardly ever rehearsed: the test would prove nothing";
+  expect_the_same_bits(got.messages, offline(samples));
+}
+
+TEST(Rehearsal, ExpectsTheNextSampleOneStepAfterTheLastAndNotLaterWhenSomeWereLost) {
+  constexpr std::int64_t kStep_ns = 1'000'000;
+  ArrivalForecast forecast;
+  EXPECT_FALSE(forecast.next_ns().has_value());
+  std::int64_t t_ns = 7'000'000'000;
+  forecast.arrived(t_ns);
+  EXPECT_FALSE(forecast.next_ns().has_value()) << "one arrival has no step";
+  for (int i = 0; i < 10; ++i) forecast.arrived(t_ns += kStep_ns);
+  EXPECT_EQ(forecast.next_ns(), t_ns + kStep_ns);
+  forecast.arrived(t_ns += 10 * kStep_ns);  // nine were lost
+  EXPECT_LT(*forecast.next_ns(), t_ns + kStep_ns + kStep_ns / 100);
+  forecast.arrived(t_ns += kStep_ns / 2);  // one came early: expected too early once, then as before
+  EXPECT_EQ(forecast.next_ns(), t_ns + kStep_ns / 2);
+  for (int i = 0; i < 1000; ++i) forecast.arrived(t_ns += kStep_ns);
+  EXPECT_EQ(forecast.next_ns(), t_ns + kStep_ns);
+}
+
+TEST(Rehearsal, ExpectsNothingOfASensorThatIsRare) {
+  ArrivalForecast forecast;
+  for (int i = 0; i < 10; ++i) forecast.arrived(1 + i * 200'000'000L);
+  EXPECT_FALSE(forecast.next_ns().has_value());
 }
 
 TEST(Threads, ALiveSensorNeverWaitsForAnAnswerAndTheLatenessIsCounted) {

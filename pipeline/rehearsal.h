@@ -1,0 +1,76 @@
+/// Keeps the sensor thread's processor warm. While it slept for the next sample, others have taken the caches, the
+/// address translation and the branch history of the stages; prefetching brings little of it back, running the code
+/// does (docs/latency.md). So shortly before the next sample is due, when nothing waits, the stages run once on a copy
+/// of themselves.
+#pragma once
+#include <algorithm>
+#include <cstdint>
+#include <optional>
+
+#include "pipeline/clock.h"
+#include "pipeline/stages.h"
+
+namespace stillpoint::pipeline {
+
+/// When the next sample may be expected, from the arrivals so far: soon after the shortest step of late. A step that is
+/// longer once (lost samples) raises it by 1/256 only, as a rehearsal that comes too late would delay a sample and one
+/// that comes too early only warms less.
+class ArrivalForecast {
+ public:
+  void arrived(std::int64_t t_ns) noexcept {
+    if (last_ns_ != 0) step_ns_ = std::min(t_ns - last_ns_, step_ns_ + step_ns_ / 256 + 1);
+    last_ns_ = t_ns;
+  }
+  /// None before the second arrival, after arrivals that did not follow one another, and when samples come so rarely
+  /// (below 10 Hz) that a request to stop would wait for it.
+  [[nodiscard]] std::optional<std::int64_t> next_ns() const noexcept {
+    if (step_ns_ <= 0 || step_ns_ > kLongest_ns) return std::nullopt;
+    return last_ns_ + step_ns_;
+  }
+
+ private:
+  static constexpr std::int64_t kLongest_ns = 100'000'000;
+  std::int64_t last_ns_ = 0;
+  std::int64_t step_ns_ = 2 * kLongest_ns;
+};
+
+class Rehearsal {
+ public:
+  /// `ahead_s`: before the expected arrival; 0: never.
+  Rehearsal(const Stages& stages, double ahead_s) noexcept
+      : copy_(stages), ahead_ns_(static_cast<std::int64_t>(1e9 * ahead_s)) {}
+
+  /// After a sample is dealt with. Sleeps until shortly before the next one and returns then; at once when that time
+  /// has passed.
+  void before_next(const Stages& stages, const RawSample& last, std::int64_t arrival_ns) noexcept {
+    if (ahead_ns_ == 0) return;
+    forecast_.arrived(arrival_ns);
+    const auto next_ns = forecast_.next_ns();
+    if (!next_ns || *next_ns - ahead_ns_ <= monotonic_ns()) return;
+    sleep_until_ns(*next_ns - ahead_ns_);
+    RawSample expected = last;
+    expected.t_ns += static_cast<std::int64_t>(1e9 * stages.guard().usual_step_s());
+    ++expected.sequence;
+    copy_ = stages;
+    NoLink link;
+    copy_.process(expected, processed_, link);
+    ++count_;
+  }
+
+  [[nodiscard]] std::uint64_t count() const noexcept { return count_; }
+
+ private:
+  /// What a rehearsal finds is nobody's evidence.
+  struct NoLink {
+    bool submit(const Evidence&) noexcept { return false; }
+    std::optional<CalibrationAnswer> answer(std::uint64_t) noexcept { return std::nullopt; }
+  };
+
+  Stages copy_;  // of fixed size throughout: copying allocates nothing
+  Processed processed_;
+  ArrivalForecast forecast_;
+  std::int64_t ahead_ns_;
+  std::uint64_t count_ = 0;
+};
+
+}  // namespace stillpoint::pipeline
