@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # The system calls of the daemon's sensor thread while samples run: `bench/syscalls.sh [STILLPOINTD] [SECONDS]`.
-# Wanted: one clock_nanosleep a sample (the source's pacing), and what Fast DDS does inside write(): for UDP one sendto and one
+# Wanted: two clock_nanosleep a sample (until the rehearsal, until the sample is due), and what Fast DDS does inside write(): for UDP one sendto and one
 # setsockopt (its send time-out) a sample, and now and then a futex where another of its threads holds its lock.
 # Reading the clock is no system call (vDSO). Needs strace. Exit 1 when the thread makes a call of its own beside the pacing.
 set -euo pipefail
