@@ -11,7 +11,10 @@ import subprocess
 import sys
 import tempfile
 
-import numpy as np
+try:
+    import numpy as np
+except ModuleNotFoundError:
+    sys.exit(f"numpy is missing for {sys.executable}: apt-get install python3-numpy, and run with /usr/bin/python3")
 
 SEEDS = 30
 GRAVITY_MPS2, FIELD_UT = 9.80665, 50.0
@@ -128,6 +131,8 @@ def cell(errors):
 
 
 def main():
+    if len(sys.argv) != 2:
+        sys.exit("usage: calibration_peers.py STILLPOINT, for example build/release/stillpoint")
     stillpoint = sys.argv[1]
     print(f"rms over {SEEDS} seeds of what the norm is off over EVEN directions, 1e-3 of the radius (mg); (failed fits)")
     print(f"{'':28s}{'points':>6s}{'noise':>8s}{'imu_tk':>14s}{'magneto':>14s}{'map':>14s}{'adjusted':>14s}")

@@ -132,13 +132,14 @@ MapFit map_fit(const Moments& m, double norm_sd, const MapPrior& prior) noexcept
       Vec3::Constant(1.0 / variance(prior.centre_sd));
   Vec9 p0 = Vec9::Zero();
   p0.head<3>().setOnes();
-  Mat9 Q = per_window * P.topLeftCorner<9, 9>();
-  Q.diagonal() += prior_information;
-  // Adjustment may leave few windows slightly indefinite; the deficit is added back, never a negative information.
-  const double least = Eigen::SelfAdjointEigenSolver<Mat9>(Q, Eigen::EigenvaluesOnly).eigenvalues()[0];
+  // Adjustment may leave the sums indefinite; the deficit is added back to what is known beforehand, about the same p0.
+  const Mat9 seen = per_window * P.topLeftCorner<9, 9>();
+  const double least =
+      Eigen::SelfAdjointEigenSolver<Mat9>(seen + Mat9(prior_information.asDiagonal()), Eigen::EigenvaluesOnly)
+          .eigenvalues()[0];
   const double floor = 0.5 * prior_information.minCoeff();
-  if (least < floor) Q.diagonal().array() += floor - least;
-  const Eigen::LDLT<Mat9> solver(Q);
+  if (least < floor) prior_information.array() += floor - least;
+  const Eigen::LDLT<Mat9> solver(seen + Mat9(prior_information.asDiagonal()));
   fit.p = solver.solve(Vec9(per_window * P.block<9, 1>(0, 9) + prior_information.cwiseProduct(p0)));
   fit.covariance = solver.solve(Mat9::Identity());
   const auto e = ellipsoid(fit.p);

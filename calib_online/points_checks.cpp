@@ -3,13 +3,45 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
+#include <numbers>
+
+#include "core/units.h"
 
 namespace stillpoint::calib {
 namespace {
 
-constexpr double kPlane = 1e-5;    // smallest over largest variance of points that do not lie in a plane
-constexpr double kLargest = 1e60;  // fourth powers of readings must stay numbers
-constexpr double kOpen = 0.33;     // sd over radius: more, and the points do not determine it
+constexpr double kPlane = 1e-5;                  // smallest over largest variance of points that do not lie in a plane
+constexpr double kLargest = 1e60;                // fourth powers of readings must stay numbers
+constexpr double kOpen = 0.33;                   // sd over radius: more, and the points do not determine it
+constexpr double kThin = 30.0;                   // longest over shortest radius of what may still be a sensor
+constexpr double kMisfit = 0.25;                 // of the radius, rms: such readings lie on no ellipsoid
+constexpr double kTilt_rad = 20.0 * kRadPerDeg;  // a position by hand; its cosine spoils the radius by 6 %
+
+bool leaves_open(const PointsFit& fit, std::size_t readings) {
+  if (fit.covariance.size() == 0) return fit.radii && readings > 6;  // more readings than numbers, and yet no rank
+  const double radius = 1.0 / std::cbrt(std::abs(fit.matrix.determinant()));
+  for (int k = 0; k < 3; ++k) {
+    if (std::sqrt(fit.covariance(k, k)) > kOpen * radius) return true;
+    if (fit.radii && std::sqrt(fit.covariance(3 + k, 3 + k)) > kOpen * (*fit.radii)[k]) return true;
+  }
+  return false;
+}
+
+/// Which of the six positions the readings lack, "+x" for x up; empty: none.
+std::string missing_position(const PointsFit& fit, std::span<const Point> points) {
+  for (int k = 0; k < 6; ++k) {
+    const double sign = k < 3 ? 1.0 : -1.0;
+    double nearest_rad = std::numbers::pi;
+    for (const Point& p : points) {
+      const Vec3 u = fit.matrix * (p.y - fit.offset);
+      nearest_rad = std::min(nearest_rad, std::acos(std::clamp(sign * u[k % 3] / u.norm(), -1.0, 1.0)));
+    }
+    if (!(nearest_rad < kTilt_rad))
+      return std::string(sign > 0 ? "+" : "-") + "xyz"[k % 3] + " (the nearest is tilted by " +
+             std::to_string(static_cast<int>(std::lround(nearest_rad * kDegPerRad))) + " deg)";
+  }
+  return {};
+}
 
 }  // namespace
 
@@ -88,14 +120,28 @@ Eigen::MatrixXd covariance(const PointsFit& fit, std::span<const Point> points) 
   return (cost / spare) * (d.asDiagonal() * scaled.inverse() * d.asDiagonal());
 }
 
-bool leaves_open(const PointsFit& fit) {
-  if (fit.covariance.size() == 0) return false;
-  const double radius = 1.0 / std::cbrt(std::abs(fit.matrix.determinant()));
-  for (int k = 0; k < 3; ++k) {
-    if (std::sqrt(fit.covariance(k, k)) > kOpen * radius) return true;
-    if (fit.radii && std::sqrt(fit.covariance(3 + k, 3 + k)) > kOpen * (*fit.radii)[k]) return true;
-  }
-  return false;
+double norm_rms(const PointsFit& fit, std::span<const Point> points) {
+  double sum = 0.0;
+  for (const Point& p : points) sum += std::pow((fit.matrix * (p.y - fit.offset)).norm() - 1.0, 2);
+  return std::sqrt(sum / static_cast<double>(points.size()));
+}
+
+std::optional<PointsFit> refuse_result(Method method, const PointsFit& fit, std::span<const Point> points) {
+  const auto open = [](const std::string& reason) { return failed(FitStatus::kNotObservable, reason); };
+  if (!fit.offset.allFinite() || !fit.matrix.allFinite() || !(std::abs(fit.matrix.determinant()) > 0.0))
+    return open("the fit is degenerate");
+  const Vec3 lengths = fit.matrix.jacobiSvd().singularValues();
+  if (lengths[0] > kThin * lengths[2])
+    return open("the ellipsoid is all but flat: the points lie near a plane or a line");
+  if (method == Method::kManual)
+    if (const std::string lacking = missing_position(fit, points); !lacking.empty())
+      return open("not six positions, each axis up and down: no reading shows " + lacking);
+  if (const double rms = norm_rms(fit, points); rms > kMisfit)
+    return open("the points lie on no ellipsoid: their norms are off by " +
+                std::to_string(static_cast<int>(std::lround(100.0 * rms))) + " % (rms)");
+  if (method != Method::kMap && leaves_open(fit, points.size()))
+    return open("the points do not determine the centre or a radius: the directions are too few");
+  return std::nullopt;
 }
 
 std::vector<std::string> violated_conditions(const PointsFit& fit, const PointsOptions& options) {

@@ -7,6 +7,7 @@
 
 #include "calib_online/outliers.h"
 #include "calib_online/points_checks.h"
+#include "calib_online/points_map.h"
 #include "calib_online/rival_fits.h"
 
 namespace stillpoint::calib {
@@ -23,32 +24,37 @@ constexpr std::array<MethodName, 10> kMethods{{{Method::kLinAuto, "lin_auto"},
                                                {Method::kAdjusted, "adjusted"},
                                                {Method::kMap, "map"}}};
 
-constexpr int kRepeatedPasses = 12;       // (1:2:3 axes: 1e-5 at pass 5)
-constexpr double kNormSdUnknown = 0.003;  // first guess of the relative noise of a reading
-constexpr double kThin = 30.0;            // longest over shortest radius of what may still be a sensor
-constexpr double kRunAway = 1.2;          // the repetition is to leave less misfit than the first pass, not more
-constexpr double kGross = 0.4;            // of the radius: more than any sensor's bias and scale leave of a sphere
-constexpr int kMapPasses = 8;
+constexpr int kRepeatedPasses = 12;  // (1:2:3 axes: 1e-5 at pass 5)
+constexpr double kRunAway = 1.2;     // the repetition is to leave less misfit than the first pass, not more
+constexpr double kGross = 0.4;       // of the radius: more than any sensor's bias and scale leave of a sphere
 
 struct Working {
   std::vector<Vec3> x;
   Vec3 c0 = Vec3::Zero();
   double r0 = 1.0;
+  bool is_sphere = false;  ///< c0 and r0 are stated, or those of a sphere that the readings show
 };
+
+double mean_distance(std::span<const Point> points, const Vec3& from) {
+  double sum = 0.0;
+  for (const Point& p : points) sum += (p.y - from).norm();
+  return sum / static_cast<double>(points.size());
+}
 
 /// Centre and radius near the data, so that sums keep their digits: the sphere of step 1, or the mean where that fails.
 Working working_coordinates(std::span<const Point> points, const PointsOptions& options) {
   Working w;
   for (const Point& p : points) w.x.push_back(p.y);
-  const AxisParameters rough = campolo_initial(w.x);
-  w.c0 = options.initial_centre.value_or(rough.centre);
-  w.r0 = options.initial_radius.value_or(std::max(rough.radii[0], 1e-300));
+  w.c0 = options.initial_centre.value_or(campolo_initial(w.x).centre);
+  w.r0 = options.initial_radius.value_or(std::max(mean_distance(points, w.c0), 1e-300));
+  w.is_sphere = options.initial_centre.has_value();
   if (!options.initial_centre) {
     Moments m;
     for (const Point& p : points) m.add(Vec3((p.y - w.c0) / w.r0));
     const AxisFit sphere = lin_auto(m);
     // Only a sphere that encloses the points is nearer than their mean.
-    if (sphere.sphere_radius > 0.1 && sphere.sphere_radius < 10.0) {
+    w.is_sphere = sphere.sphere_radius > 0.1 && sphere.sphere_radius < 10.0;
+    if (w.is_sphere) {
       w.c0 += w.r0 * sphere.centre;
       if (!options.initial_radius) w.r0 *= sphere.sphere_radius;
     }
@@ -56,8 +62,6 @@ Working working_coordinates(std::span<const Point> points, const PointsOptions& 
   for (Vec3& x : w.x) x = (x - w.c0) / w.r0;
   return w;
 }
-
-Mat3 upper_root(const Mat3& A) { return Mat3(A.llt().matrixU()); }
 
 void set_axis(PointsFit& fit, const Working& w, const AxisParameters& a) {
   fit.offset = w.c0 + w.r0 * a.centre;
@@ -108,6 +112,11 @@ PointsFit from_iterated(const Working& w, const IteratedFit& i) {
   return fit;
 }
 
+/// The methods that have neither a prior nor a second step cannot make six numbers out of five readings.
+PointsFit enough_readings(const Working& w, PointsFit fit) {
+  return w.x.size() < 6 ? failed(FitStatus::kTooFewPoints, "a centre and three radii need at least 6 readings") : fit;
+}
+
 PointsFit from_general(const Working& w, const GeneralFit& g) {
   if (g.status != FitStatus::kOk) {
     return failed(g.status, g.status == FitStatus::kTooFewPoints ? "a general ellipsoid needs at least 9 points"
@@ -130,25 +139,21 @@ std::optional<double> mean_variance(std::span<const Point> points, double r0) {
 }
 
 PointsFit map(const Working& w, std::optional<double> variance, const PointsOptions& options) {
-  const double prior_sd = options.prior_relative_sd, n = static_cast<double>(w.x.size());
-  const MapPrior prior{prior_sd, prior_sd, prior_sd};
-  double noise_sd = std::max(1e-9, variance ? std::sqrt(*variance) : kNormSdUnknown);
-  std::vector<double> weights = first_weights(w.x, noise_sd, prior);
+  const bool known = w.is_sphere && (options.initial_centre || shows_sphere(w.x, options.prior_relative_sd));
+  if (!known)
+    return failed(FitStatus::kNotObservable,
+                  "the readings do not show the sphere that the prior is to be about; state its centre and radius");
+  const PointsMap m =
+      map_points(w.x, variance ? std::optional(std::sqrt(*variance)) : std::nullopt, options.prior_relative_sd);
+  if (m.status != FitStatus::kOk)
+    return failed(m.status, variance ? "the most likely quadric is no ellipsoid: is the stated variance too small?"
+                                     : "the most likely quadric is no ellipsoid");
   PointsFit fit;
-  MapFit f;
-  for (fit.iterations = 0; fit.iterations < kMapPasses; ++fit.iterations) {
-    Moments m;
-    for (std::size_t i = 0; i < w.x.size(); ++i) m.add(w.x[i], weights[i]);
-    f = map_fit(m.adjusted(Mat3(noise_sd * noise_sd * Mat3::Identity())), noise_sd, prior);
-    if (f.status != FitStatus::kOk) return failed(f.status, "the most likely quadric is no ellipsoid");
-    const std::vector<double> errors = norm_errors(w.x, f.ellipsoid);
-    double sum = 0.0;
-    for (std::size_t i = 0; i < errors.size(); ++i) sum += weights[i] * errors[i] * errors[i];
-    // Unknown noise: what is left over, with the nine parameters' share given back.
-    if (!variance) noise_sd = std::max(1e-6, std::sqrt(sum / std::max(1.0, n - 9.0)));
-    weights = huber_weights(errors);
-  }
-  set_general(fit, w, f.ellipsoid);
+  set_general(fit, w, m.ellipsoid);
+  fit.iterations = m.iterations;
+  Vec9 unit;
+  unit << Vec3::Constant(w.r0), Eigen::Matrix<double, 6, 1>::Constant(1.0 / w.r0);
+  fit.covariance = unit.asDiagonal() * m.covariance * unit.asDiagonal();
   return fit;
 }
 
@@ -165,9 +170,9 @@ PointsFit dispatch(Method method, const Working& w, std::span<const Point> point
     case Method::kLinMinVar:
       return from_iterated(w, lin_min_var(w.x, start, 1.0, 0.02, limit));
     case Method::kNonLinear:
-      return from_iterated(w, non_linear(w.x, start, limit));
+      return enough_readings(w, from_iterated(w, non_linear(w.x, start, limit)));
     case Method::kLsqNonLinear:
-      return from_iterated(w, lsq_non_linear(w.x, campolo_initial(w.x), limit));
+      return enough_readings(w, from_iterated(w, lsq_non_linear(w.x, campolo_initial(w.x), limit)));
     case Method::kMgn:
       return from_general(w, general_fit(m));
     case Method::kAdjusted:
@@ -175,11 +180,11 @@ PointsFit dispatch(Method method, const Working& w, std::span<const Point> point
     case Method::kMap:
       return map(w, mean_variance(points, w.r0), options);
     case Method::kManual:
-      return from_iterated(w, manual_six_position(w.x));
+      return enough_readings(w, from_iterated(w, manual_six_position(w.x)));
     case Method::kMinVolEllipsoid:
       break;
   }
-  const EnclosingFit e = min_vol_ellipsoid(w.x, options.min_vol_tolerance, 20 * limit);
+  const EnclosingFit e = min_vol_ellipsoid(w.x, options.min_vol_tolerance, 100 * limit);
   if (e.status != FitStatus::kOk) return failed(e.status, "Khachiyan's iteration did not reach its tolerance");
   PointsFit fit;
   fit.offset = w.c0 + w.r0 * e.centre;
@@ -214,18 +219,11 @@ PointsFit fit_points(Method method, std::span<const Point> table, const PointsOp
   PointsFit fit = dispatch(method, w, points, options);
   if (fit.status != FitStatus::kOk) return fit;
   fit.set_aside = aside;
-  if (!fit.offset.allFinite() || !fit.matrix.allFinite() || !(std::abs(fit.matrix.determinant()) > 0.0))
-    return failed(FitStatus::kNotObservable, "the fit is degenerate");
-  const Vec3 lengths = fit.matrix.jacobiSvd().singularValues();
-  if (lengths[0] > kThin * lengths[2])
-    return failed(FitStatus::kNotObservable, "the ellipsoid is all but flat: the points lie near a plane or a line");
-  double sum = 0.0;
-  for (const Point& p : points) sum += std::pow((fit.matrix * (p.y - fit.offset)).norm() - 1.0, 2);
-  fit.residual_rms = std::sqrt(sum / static_cast<double>(points.size()));
-  if (method != Method::kManual && method != Method::kMinVolEllipsoid) fit.covariance = covariance(fit, points);
-  if (method != Method::kMap && leaves_open(fit))
-    return failed(FitStatus::kNotObservable,
-                  "the points do not determine the centre or a radius: the directions are too few");
+  if (fit.covariance.size() == 0) fit.covariance = covariance(fit, points);
+  if (auto refusal = refuse_result(method, fit, points)) return *refusal;
+  fit.residual_rms = norm_rms(fit, points);
+  // Readings inside an enclosing ellipsoid and at six hand-held positions do not scatter about the fit as noise does.
+  if (method == Method::kManual || method == Method::kMinVolEllipsoid) fit.covariance.resize(0, 0);
   fit.conditions = violated_conditions(fit, options);
   return fit;
 }

@@ -53,24 +53,32 @@ void add_calibrate(CLI::App& app, Run& run) {
   static Arguments a;
   std::string names;
   for (const auto& m : calib::methods()) names += (names.empty() ? "" : ", ") + std::string(m.name);
-  command->add_option("--points", a.points,
-                      "CSV with columns x,y,z and optionally var, temp_degC; one static reading a line");
-  command->add_option("--method", a.method, "with --points: " + names);
-  command->add_option("--recording", a.recording,
-                      "recording (.csv): detect rest and run the online calibration over it");
-  command->add_option("--state", a.state, "with --recording: what was learnt; read if it is there, written at the end");
+  auto* points = command->add_option("--points", a.points,
+                                     "CSV with columns x,y,z and optionally var, temp_degC; one static reading a line");
+  auto* recording = command->add_option("--recording", a.recording,
+                                        "recording (.csv): detect rest and run the online calibration over it");
+  points->excludes(recording);
   auto* json =
       command->add_option("--json", a.json, "write JSON to this file; without a name or with -: to standard output");
   json->expected(0, 1);
-  command->add_option("--initial-centre", a.initial_centre, "with --points: centre x y z that is known beforehand")
-      ->expected(3);
-  command->add_option("--initial-radius", a.initial_radius, "with --points: radius that is known beforehand");
-  command
-      ->add_option("--prior-sd", a.options.prior_relative_sd, "with --method map: sd of the initial sphere, relative")
-      ->check(CLI::Range(1e-6, 10.0));
-  command->add_option("--converter-bits", a.converter_bits,
-                      "with --points: readings lie in [0, 2^bits); checks the radius");
-  command->add_option("--full-scale-g", a.full_scale_g, "with --points: full scale of the sensor; checks the radius");
+  command->add_option("--state", a.state, "with --recording: what was learnt; read if it is there, written at the end")
+      ->needs(recording);
+  command->add_option("--method", a.method, "with --points: " + names)->needs(points);
+  const auto of_points = [&](const char* name, auto& value, const char* help) {
+    return command->add_option(name, value, help)->needs(points);
+  };
+  constexpr double kLargest = 1e60;  // as of a reading
+  of_points("--initial-centre", a.initial_centre, "with --points: centre x y z that is known beforehand")
+      ->expected(3)
+      ->check(between(-kLargest, kLargest));
+  of_points("--initial-radius", a.initial_radius, "with --points: radius that is known beforehand")
+      ->check(between(1.0 / kLargest, kLargest));
+  of_points("--prior-sd", a.options.prior_relative_sd, "with --method map: sd of the initial sphere, relative")
+      ->check(between(1e-6, 10.0));
+  of_points("--converter-bits", a.converter_bits, "with --points: readings lie in [0, 2^bits); checks the radius")
+      ->check(CLI::Range(1, 64));
+  of_points("--full-scale-g", a.full_scale_g, "with --points: full scale of the sensor; checks the radius")
+      ->check(between(0.01, 1e6));
   command->callback([&run, json] { run = [json] { return run_calibrate(a, json->count() > 0); }; });
 }
 

@@ -112,7 +112,16 @@ Json rows(const Mat3& m) {
 }
 Json numbers(const Vec3& v) { return {v.x(), v.y(), v.z()}; }
 
-Json to_json(const std::string& method, const calib::PointsFit& fit, std::size_t count) {
+/// |matrix (reading - offset)| - 1 of every reading, in the order of the table; none without a result.
+std::vector<double> norm_residuals(const calib::PointsFit& fit, const std::vector<calib::Point>& points) {
+  std::vector<double> out;
+  if (fit.status != calib::FitStatus::kOk) return out;
+  for (const auto& p : points) out.push_back((fit.matrix * (p.y - fit.offset)).norm() - 1.0);
+  return out;
+}
+
+Json to_json(const std::string& method, const calib::PointsFit& fit, std::size_t count,
+             const std::vector<double>& residuals) {
   const bool ok = fit.status == calib::FitStatus::kOk;
   Json j;
   j["method"] = method;
@@ -133,6 +142,8 @@ Json to_json(const std::string& method, const calib::PointsFit& fit, std::size_t
                                    : Json{"offset_x", "offset_y", "offset_z", "m00", "m01", "m02", "m11", "m12", "m22"};
   }
   j["residual_rms"] = ok ? Json(fit.residual_rms) : Json();
+  j["residuals"] = Json::array();
+  for (const double r : residuals) j["residuals"].push_back(r);
   j["iterations"] = fit.iterations;
   j["reason"] = fit.reason;
   j["conditions_violated"] = fit.conditions;
@@ -141,9 +152,9 @@ Json to_json(const std::string& method, const calib::PointsFit& fit, std::size_t
   return j;
 }
 
-void print(const std::string& method, const calib::PointsFit& fit) {
-  fmt::print("{}: {}\n", method, calib::name(fit.status));
-  if (fit.status != calib::FitStatus::kOk) return;
+void print(const std::string& method, const calib::PointsFit& fit, const std::vector<double>& residuals) {
+  fmt::print("{}: {}, {} points\n", method, calib::name(fit.status), residuals.size());
+  fmt::print("  matrix * (reading - offset) has length 1; offset and radii are in the unit of the readings\n");
   const auto sd = [&fit](int k) {
     return fit.covariance.size() > 0 ? fmt::format(" +- {:.3g}", std::sqrt(fit.covariance(k, k))) : std::string();
   };
@@ -152,7 +163,10 @@ void print(const std::string& method, const calib::PointsFit& fit) {
     for (int k = 0; k < 3; ++k) fmt::print("  radius {}  {:.6g}{}\n", "xyz"[k], (*fit.radii)[k], sd(3 + k));
   for (int k = 0; k < 3; ++k)
     fmt::print("  matrix    {:14.7g} {:14.7g} {:14.7g}\n", fit.matrix(k, 0), fit.matrix(k, 1), fit.matrix(k, 2));
-  fmt::print("  norm off by {:.3g} rms, {} iterations\n", fit.residual_rms, fit.iterations);
+  const auto worst = std::max_element(residuals.begin(), residuals.end(),
+                                      [](double a, double b) { return std::abs(a) < std::abs(b); });
+  fmt::print("  length off by {:.3g} rms, at most by {:+.3g} (point {}); {} iterations\n", fit.residual_rms, *worst,
+             worst - residuals.begin() + 1, fit.iterations);
   for (const std::size_t i : fit.set_aside) fmt::print("  point {} is set aside: too far from all others\n", i + 1);
   for (const auto& condition : fit.conditions) fmt::print("  violates condition {}\n", condition);
 }
@@ -165,11 +179,12 @@ int calibrate_points(const std::string& path, const std::string& method_name, co
   if (!method) {
     std::string known;
     for (const auto& m : calib::methods()) known += " " + std::string(m.name);
-    return report({ErrorKind::kUsage, fmt::format("--method '{}' is not known; known are:{}", method_name, known)});
+    const std::string what =
+        method_name.empty() ? "--points needs a --method" : fmt::format("--method '{}' is not known", method_name);
+    return report({ErrorKind::kUsage, fmt::format("{}; known are:{}", what, known)});
   }
   const auto table = read_points(path);
   calib::PointsFit fit;
-  ErrorKind kind = ErrorKind::kBadData;
   std::size_t count = 0;
   if (!table) {
     if (table.error().kind == ErrorKind::kNoInput) return report(table.error());
@@ -184,16 +199,16 @@ int calibrate_points(const std::string& path, const std::string& method_name, co
     fit = calib::fit_points(*method, table->points, options);
     count = table->points.size();
   }
+  const std::vector<double> residuals = table ? norm_residuals(fit, table->points) : std::vector<double>{};
   if (json) {
-    if (const int failed = write_json(
-            to_json(method_name, fit, count).dump(2, ' ', false, Json::error_handler_t::replace) + "\n", *json))
-      return failed;
-  } else {
-    print(method_name, fit);
+    const std::string text =
+        to_json(method_name, fit, count, residuals).dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+    if (const int failed = write_json(text, *json)) return failed;
   }
-  return fit.status == calib::FitStatus::kOk
-             ? 0
-             : report({kind, fmt::format("{}: {}", calib::name(fit.status), fit.reason)});
+  if (fit.status != calib::FitStatus::kOk)
+    return report({ErrorKind::kBadData, fmt::format("{}: {}", calib::name(fit.status), fit.reason)});
+  if (!json) print(method_name, fit, residuals);
+  return 0;
 }
 
 }  // namespace stillpoint::app

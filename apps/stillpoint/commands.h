@@ -1,6 +1,8 @@
 /// The subcommands of `stillpoint`. Each lives in its own file, adds itself to the command line and sets `run` when
 /// chosen.
 #pragma once
+#include <fmt/format.h>
+
 #include <CLI/CLI.hpp>
 #include <cstdio>
 #include <functional>
@@ -16,6 +18,16 @@ using Run = std::function<int()>;
 inline int report(const Error& error) {
   std::fprintf(stderr, "stillpoint: %s\n", error.message.c_str());
   return static_cast<int>(error.kind);
+}
+
+/// A finite number from low to high: CLI::Range lets nan pass.
+inline CLI::Validator between(double low, double high) {
+  const auto refusal = [low, high](const std::string& text) {
+    double value = 0.0;
+    const bool good = CLI::detail::lexical_cast(text, value) && value >= low && value <= high;
+    return good ? std::string() : fmt::format("{} is no number from {:g} to {:g}", text, low, high);
+  };
+  return {refusal, fmt::format("{:g} - {:g}", low, high)};
 }
 
 void add_calibrate(CLI::App& app, Run& run);

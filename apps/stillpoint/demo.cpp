@@ -277,7 +277,7 @@ void add_demo(CLI::App& app, Run& run) {
   auto* command = app.add_subcommand("demo", "The whole product in under a minute, without a sensor");
   static DemoOptions options;
   command->add_option("--seconds", options.seconds, "how long the replay takes")
-      ->check(CLI::Range(3.0, 55.0))
+      ->check(between(3.0, 55.0))
       ->capture_default_str();
   command->add_option("--output", options.folder, "folder for the recording and its truth")->capture_default_str();
   command->add_option("--seed", options.seed, "of the simulated noise")

@@ -109,8 +109,10 @@ void add_record(CLI::App& app, Run& run) {
   static RecordOptions options;
   add_dds_options(*command, options.dds);
   command->add_option("--output", options.output, "recording to write (.csv)")->required();
-  command->add_option("--seconds", options.seconds, "end after this time; otherwise on Ctrl-C");
+  command->add_option("--seconds", options.seconds, "end after this time; otherwise on Ctrl-C")
+      ->check(between(0.01, 1e9));
   command->add_option("--timeout", options.timeout_s, "how long to wait for the first reading, s")
+      ->check(between(0.0, 1e9))
       ->capture_default_str();
   command->callback([&run] { run = [] { return record(options); }; });
 }

@@ -108,8 +108,10 @@ void add_watch(CLI::App& app, Run& run) {
   add_dds_options(*command, options.dds);
   command->add_flag("--once", options.once, "print one state and end; exit code 69 when no daemon is there");
   command->add_option("--json", options.json, "write JSON instead of text to this file, - for standard output");
-  command->add_option("--seconds", options.seconds, "end after this time; with --once the time measured over (1)");
+  command->add_option("--seconds", options.seconds, "end after this time; with --once the time measured over (1)")
+      ->check(between(0.01, 1e9));
   command->add_option("--timeout", options.timeout_s, "with --once: how long to wait for a daemon, s")
+      ->check(between(0.0, 1e9))
       ->capture_default_str();
   command->callback([&run] { run = [] { return watch(options); }; });
 }

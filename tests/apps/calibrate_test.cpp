@@ -90,6 +90,17 @@ TEST(CalibratePoints, ABadTableGivesItsStatusAndReason) {
     }
 }
 
+TEST(CalibratePoints, OptionsOfTheOtherHalfAndNumbersThatAreNoneAreWrongUsage) {
+  const ScratchFolder folder;
+  write_file(folder / "points.csv", good_table());
+  const std::string points = " --points " + (folder / "points.csv") + " --method map";
+  for (const std::string& wrong :
+       {std::string(" --recording a.csv --method map"), points + " --recording a.csv", points + " --state s",
+        points + " --initial-radius nan", points + " --initial-radius -3", points + " --initial-centre 1 2",
+        points + " --prior-sd 0", " --points " + (folder / "points.csv")})
+    EXPECT_EQ(run(std::string(STILLPOINT) + " calibrate" + wrong, folder / "err"), 64) << wrong;
+}
+
 TEST(CalibratePoints, AMessageQuotesNothingThatSteersATerminal) {
   const ScratchFolder folder;
   const Answer a = calibrate(folder, "\x1b[2J\x07\xff" + std::string(5000, 'k') + "\n1,2,3\n", "map");

@@ -58,6 +58,60 @@ TEST(PointsFit, ManualReadsTheSixPositions) {
   EXPECT_LT((*f.radii - Vec3(5, 6, 7)).norm(), 1e-12);
 }
 
+TEST(PointsFit, ManualRefusesWhatIsNotSixPositions) {
+  const PointsFit scattered = fit_points(Method::kManual, cloud(24, 1.0, 3));
+  EXPECT_EQ(scattered.status, FitStatus::kNotObservable);
+  EXPECT_NE(scattered.reason.find("not six positions"), std::string::npos) << scattered.reason;
+  auto five = cloud(5, 1.0, 3);
+  for (const Method m : {Method::kManual, Method::kNonLinear, Method::kLsqNonLinear})
+    EXPECT_EQ(fit_points(m, five).status, FitStatus::kTooFewPoints);
+}
+
+/// Readings of a sensor with the given offset, within `cap_rad` of one direction; radius 10.
+std::vector<Point> cap_about(const Vec3& offset, double cap_rad, int n, double noise, unsigned seed) {
+  Dice dice(seed);
+  const Vec3 axis = dice.normal3().normalized();
+  std::vector<Point> out;
+  while (out.size() < static_cast<std::size_t>(n)) {
+    const Vec3 u = dice.normal3().normalized();
+    if (u.dot(axis) > std::cos(cap_rad)) out.push_back({Vec3(offset + 10.0 * u + dice.normal3(noise)), std::nullopt});
+  }
+  return out;
+}
+
+TEST(PointsFit, MapOverOneCapKeepsItsPriorOrSaysThatItHasNone) {
+  PointsOptions known;
+  known.initial_centre = Vec3::Zero();
+  known.initial_radius = 10.0;
+  constexpr int kSeeds = 40;
+  double nees = 0.0;
+  for (unsigned seed = 0; seed < kSeeds; ++seed) {
+    const Vec3 offset = Dice(1000 + seed).normal3(1.0);  // the prior's own 10 %
+    const auto points = cap_about(offset, 0.3, 50, 0.1, seed);
+    EXPECT_EQ(fit_points(Method::kMap, points).status, FitStatus::kNotObservable)
+        << seed;  // noise bends so small a cap
+    const PointsFit f = fit_points(Method::kMap, points, known);
+    ASSERT_EQ(f.status, FitStatus::kOk) << seed << f.reason;
+    const Vec3 e = f.offset - offset;
+    const Mat3 P = f.covariance.topLeftCorner<3, 3>();
+    nees += e.dot(P.inverse() * e) / kSeeds;
+  }
+  // Chi-square(3), 40 seeds: sd 0.39. Below 3, for scale and shear, of which the prior allows 10 %, have no error here.
+  EXPECT_GT(nees, 1.0);
+  EXPECT_LT(nees, 4.2);
+}
+
+TEST(PointsFit, WhatIsNoEllipsoidIsNotCalledOne) {
+  Dice dice(4);
+  std::vector<Point> ball;
+  for (int k = 0; k < 50; ++k) ball.push_back({dice.normal3(), std::nullopt});
+  for (const auto& m : methods()) {
+    const PointsFit f = fit_points(m.method, ball);
+    EXPECT_NE(f.status, FitStatus::kOk) << m.name << " off by " << f.residual_rms;
+    EXPECT_FALSE(f.reason.empty()) << m.name;
+  }
+}
+
 TEST(PointsFit, BadTablesGetAStatusAndAReason) {
   auto points = cloud(50, 1.0, 6);
   const auto status = [](const std::vector<Point>& p) { return fit_points(Method::kMap, p).status; };
