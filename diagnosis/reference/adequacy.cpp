@@ -61,12 +61,12 @@ std::optional<Driver> driver_of(const Signals& s, Sensor sensor, const std::stri
 
 /// Legendre polynomials of the driver on its range, each axis with coefficients of its own. The constant, and the line
 /// where it is a wrong matrix, are fitted beside every hypothesis.
-Found free_function(const Driver& d, const Found& law) {
+Found free_function(const Driver& d, Sensor sensor, const Found& law) {
   Found f;
   f.id = "unknown:" + d.name;
   f.kind = Kind::kUnknown;
   f.window = law.window;
-  f.unit = "see driver";
+  f.unit = d.factor.size() ? "1" : kSensorUnit[sensor];
   f.equation = "delta = " + d.name + ", h a smooth function of its own for each axis";
   f.driver = law.driver;
   for (int axis = 0; axis < 3; ++axis) {
@@ -130,7 +130,7 @@ Found adequate(const Signals& s, const SensorSearch& search, const Judge& judge,
   if (law.kind != Kind::kNamed || law.shape_name == kTrackerShape) return law;
   const auto driver = driver_of(s, search.sensor, law.id);
   if (!driver) return law;
-  Found free = free_function(*driver, law);
+  Found free = free_function(*driver, search.sensor, law);
   // One noise for both, that of the freer: beside a law that misses something slow, an autoregression takes the miss
   // for its own memory.
   const Target& t = judge.walking() ? judge.beside_walk() : judge.without_walk();

@@ -4,6 +4,7 @@
 #include <memory>
 
 #include "diagnosis/reference/columns.h"
+#include "diagnosis/reference/driver_unit.h"
 #include "diagnosis/reference/laws.h"
 #include "diagnosis/reference/separable.h"
 #include "simulation/effect_catalogue.h"
@@ -184,7 +185,7 @@ class Products {
     law.kind = Kind::kUnknown;
     law.columns = std::move(columns);
     law.coefficients = {"k_x", "k_y", "k_z"};
-    law.unit = "see driver";
+    law.unit = coefficient_unit(kSensorUnit[sensor_], name);
     law.equation = "delta = k " + name;
     law.driver = name;
     laws_.push_back(std::move(law));
