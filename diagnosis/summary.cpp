@@ -60,7 +60,7 @@ std::string finding_text(const Finding& f) {
                   f.regime, f.interval_s[0], f.interval_s[1], f.equation, f.effect);
   for (const auto& p : f.parameters)
     out += fmt::format("         {} = {:+.4g} +- {:.2g} {}\n", p.name, p.value, 0.5 * (p.ci95[1] - p.ci95[0]), p.unit);
-  if (f.held_out.blocks == 0 && f.held_out.rms_before == 0)
+  if (f.held_out.blocks == 0)
     out += fmt::format("EVIDENCE shows without a fit, in the readings or their means; p = {:.2g}\n", f.p_value);
   else
     out += fmt::format(

@@ -72,13 +72,13 @@ std::string parameter_table(const Finding& f) {
 }
 
 std::string held_out_line(const HeldOut& h) {
-  if (h.blocks == 0 && h.gain_nats == 0 && h.rms_before == 0) return {};
+  if (h.blocks == 0)
+    return "<h3>Evidence</h3><p>Shows without a fit, in the readings or their means; it has no course that could be "
+           "predicted on other data.</p>";
   return fmt::format(
       "<h3>On data not used for the fit</h3><p>Gain {} nats; {} of {} blocks better; {:.0f} % of the removable "
-      "error removed; "
-      "rms {:.4g} before, {:.4g} after, {:.4g} noise floor ({}).</p><p class=\"how\">Under a noisy reference the rms "
-      "hardly moves; the gain "
-      "in nats is what counts: above 5 it is beyond chance.</p>",
+      "error removed; rms {:.4g} before, {:.4g} after, {:.4g} noise floor ({}).</p><p class=\"how\">Under a noisy "
+      "reference the rms hardly moves; the gain in nats is what counts: above 5 it is beyond chance.</p>",
       h.gain_nats < 1e4 ? fmt::format("{:.1f}", h.gain_nats) : fmt::format("{:.3g}", h.gain_nats), h.blocks_better,
       h.blocks, 100.0 * h.removable_share_removed, h.rms_before, h.rms_after, h.noise_floor, escaped(h.unit));
 }

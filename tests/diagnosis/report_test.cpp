@@ -52,6 +52,15 @@ TEST(Report, SaysVerdictParametersRankingAndAbstention) {
     EXPECT_THAT(html, HasSubstr(text));
 }
 
+TEST(Report, GivesNoHeldOutFiguresOfWhatWasNotFitted) {
+  Diagnosis d = example();
+  d.findings[0].held_out.gain_nats = 87.6;  // of the readings themselves
+  EXPECT_THAT(report_html(d, {}), HasSubstr("Shows without a fit"));
+  EXPECT_THAT(report_html(d, {}), Not(HasSubstr("On data not used")));
+  d.findings[0].held_out.blocks = 30;
+  EXPECT_THAT(report_html(d, {}), HasSubstr("On data not used"));
+}
+
 /// A sensor is searched in several rounds; in the ranking a law stands once, with its best gain.
 TEST(Report, RanksEachLawOnce) {
   Diagnosis d = example();
