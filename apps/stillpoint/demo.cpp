@@ -47,8 +47,9 @@ struct Stage {
   double duration_s = 0.0;
 };
 
-/// A domain of its own, so that no other daemon of this machine is seen.
-int own_domain() { return 100 + static_cast<int>(getpid() % 100); }
+/// A domain of its own, so that no other daemon of this machine is seen: 1 to 100, as the ports of higher ones may be
+/// taken by any connection.
+int own_domain() { return 1 + static_cast<int>(getpid() % 100); }
 
 Result<void> write_text(const std::string& path, const std::string& text) {
   std::ofstream file(path, std::ios::binary);
