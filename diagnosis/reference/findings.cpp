@@ -6,8 +6,10 @@
 #include <cmath>
 #include <numeric>
 
+#include "diagnosis/reference/adequacy.h"
 #include "diagnosis/reference/curves.h"
 #include "diagnosis/reference/given_effects.h"
+#include "diagnosis/reference/unrecorded.h"
 #include "simulation/effect_catalogue.h"
 
 namespace stillpoint::diag {
@@ -118,7 +120,7 @@ Finding finding_from(const Signals& s, const SensorSearch& search, std::size_t i
     out.equivalent.emplace_back("ref_error");
   rivals_of(f, out);
   out.figures = curves_of(s, search, index, finished);
-  out.decided_by = deciding_recording(out);
+  out.decided_by = f.id == kUnrecordedScalar ? "record " + missing_drivers(s, search.sensor) : deciding_recording(out);
   out.confidence = 1.0 / (1.0 + std::exp(-std::min(0.5 * f.net_nats, 30.0)));
   return out;
 }
@@ -141,6 +143,11 @@ int locals(const SensorSearch& search) {
     if (std::none_of(windows.begin(), windows.end(), together)) windows.push_back(f.window);
   }
   return static_cast<int>(windows.size());
+}
+
+bool holds(const SensorSearch& search, const std::string& part) {
+  return std::any_of(search.found.begin(), search.found.end(),
+                     [&part](const Found& f) { return f.id.find(part) != std::string::npos; });
 }
 
 Finding switching_finding(const Signals& s, const SensorSearch& search, const Finished& finished) {
@@ -251,8 +258,10 @@ void report_sensor(const Signals& s, const EngineResult& engine, Sensor sensor,
   std::vector<Finding> findings;
   std::vector<sim::EffectConfig> effects;
   // A step that leaves drift behind, where a driver was not recorded, is more likely a piece of that driver's curve.
+  // What follows the temperature beside a step of no known cause is no better: both are slow.
   const bool drifts = finished.walk_gain_nats > std::max(kDriftNats, kLeastShareOfFirst * search.first_gain);
-  const bool piece = drifts && locals(search) > 0 && !missing_drivers(s, sensor).empty();
+  const bool slow = drifts || (holds(search, kPlainOffset) && holds(search, "_temp_"));
+  const bool piece = slow && locals(search) > 0 && !missing_drivers(s, sensor).empty();
   const bool switched = locals(search) >= 2 || piece;
   if (switched) findings.push_back(switching_finding(s, search, finished));
   for (std::size_t i = 0; i < search.found.size() && !switched; ++i) {

@@ -8,7 +8,6 @@ namespace stillpoint::diag {
 namespace {
 
 constexpr int kProfileRounds = 3;
-constexpr double kShortestWalkPeriod_s = 8.0;
 constexpr int kMostWalkTerms = 40;
 
 /// One axis, whitened, as normal equations: nuisance and columns first, the walk last, so that the model without a walk
@@ -172,9 +171,9 @@ Fit solve(const Target& t, const Columns& columns, const NoiseModel& noise, cons
 
 }  // namespace
 
-Eigen::MatrixXd walk_basis(const Signals& s) {
+Eigen::MatrixXd walk_basis(const Signals& s, double shortest_period_s) {
   const double length = s.duration_s();
-  const int terms = std::clamp(static_cast<int>(2.0 * length / kShortestWalkPeriod_s), 4, kMostWalkTerms);
+  const int terms = std::clamp(static_cast<int>(2.0 * length / shortest_period_s), 4, kMostWalkTerms);
   Eigen::MatrixXd walk(s.n, terms);
   for (int k = 1; k <= terms; ++k) walk.col(k - 1) = (s.t_s.array() * (k * std::numbers::pi / length)).cos();
   return walk;
@@ -208,6 +207,21 @@ Fit fit_with(const Target& t, const Columns& columns, const NoiseModel& noise, c
   return solve(still, columns, noise, whitened_systems(still, columns, noise), walk_q);
 }
 
+Fit fit_walking(const Target& t, const Columns& columns, const NoiseModel& noise) {
+  const Systems systems = whitened_systems(t, columns, noise);
+  std::array<double, 3> q{};
+  if (t.walk.cols() == 0) return solve(t, columns, noise, systems, q);
+  // The walk is judged on the residual with the fitted walk put back.
+  const Eigen::VectorXd bare = solve_normal(t, columns, noise, systems, q).x;
+  for (int axis = 0; axis < 3; ++axis) {
+    const AxisSystem& a = systems[static_cast<std::size_t>(axis)];
+    Eigen::VectorXd own(a.plain);
+    for (Eigen::Index i = 0; i < a.plain; ++i) own[i] = bare[a.global[static_cast<std::size_t>(i)]];
+    q[static_cast<std::size_t>(axis)] = best_walk(t, noise, a, own, axis);
+  }
+  return solve(t, columns, noise, systems, q);
+}
+
 Fit fit_profile(const Target& t, const Columns& columns) {
   // The start is least squares under white noise. An autoregression of the residual itself would take offset and trend
   // for memory, whiten them away, and never find back to what explains them.
@@ -215,22 +229,8 @@ Fit fit_profile(const Target& t, const Columns& columns) {
   white.walk.resize(0, 0);
   white.layout.order = 0;
   Fit fit = fit_with(white, columns, NoiseModel(white.layout, white.residual), {});
-  for (int round = 0; round < kProfileRounds; ++round) {
-    const NoiseModel noise(t.layout, fit.leftover);
-    const Systems systems = whitened_systems(t, columns, noise);
-    std::array<double, 3> q{};
-    if (t.walk.cols() > 0) {
-      // The walk is judged on the residual with the fitted walk put back.
-      const Eigen::VectorXd bare = solve_normal(t, columns, noise, systems, q).x;
-      for (int axis = 0; axis < 3; ++axis) {
-        const AxisSystem& a = systems[static_cast<std::size_t>(axis)];
-        Eigen::VectorXd own(a.plain);
-        for (Eigen::Index i = 0; i < a.plain; ++i) own[i] = bare[a.global[static_cast<std::size_t>(i)]];
-        q[static_cast<std::size_t>(axis)] = best_walk(t, noise, a, own, axis);
-      }
-    }
-    fit = solve(t, columns, noise, systems, q);
-  }
+  for (int round = 0; round < kProfileRounds; ++round)
+    fit = fit_walking(t, columns, NoiseModel(t.layout, fit.leftover));
   // The last likelihood belongs to the noise of the last fit but one; by now they agree to a fraction of a nat.
   return fit;
 }

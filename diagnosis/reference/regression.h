@@ -39,8 +39,8 @@ struct Target {
 };
 
 [[nodiscard]] Target make_target(const Signals& s, Sensor sensor);
-/// cos(k pi t / T), k = 1..K, down to periods of about 8 s.
-[[nodiscard]] Eigen::MatrixXd walk_basis(const Signals& s);
+/// cos(k pi t / T), k = 1..K, down to about the given period.
+[[nodiscard]] Eigen::MatrixXd walk_basis(const Signals& s, double shortest_period_s = 8.0);
 
 /// Prior deviations of the walk's coefficients k = 1..K: a walk with q unit/sqrt(s) has variance 2 q^2 T / (k pi)^2
 /// there.
@@ -60,6 +60,9 @@ struct Fit {
 /// With a given noise model, no walk re-estimated: for refining parameters.
 [[nodiscard]] Fit fit_with(const Target& target, const Columns& columns, const NoiseModel& noise,
                            const std::array<double, 3>& walk_q);
+
+/// With a given noise model, under which each axis walks at its most likely rate.
+[[nodiscard]] Fit fit_walking(const Target& target, const Columns& columns, const NoiseModel& noise);
 
 /// Noise and walk are estimated with the candidate inside, alternating to convergence.
 [[nodiscard]] Fit fit_profile(const Target& target, const Columns& columns);

@@ -8,6 +8,7 @@
 #include "diagnosis/reference/judge.h"
 #include "diagnosis/reference/lines.h"
 #include "diagnosis/reference/refine.h"
+#include "diagnosis/reference/unrecorded.h"
 
 namespace stillpoint::diag {
 namespace {
@@ -86,6 +87,27 @@ std::vector<Candidate> short_list(const SensorSearch& search, const Judge& judge
       std::none_of(out.begin(), out.end(), is_offset))
     out.push_back(*offset);
   return out;
+}
+
+bool pays(const SensorSearch& search, const Found& best) {
+  const double least_share = search.has_unknown() ? kLeastShareBesideUnknown : kLeastShareOfFirst;
+  const bool free_form = best.id.starts_with("unknown:");  // there are more products than laws
+  const double least = search.first_gain > 0 || free_form ? kLeastNetBeside : kLeastNet;
+  return best.net_nats >= least && best.gain_nats >= least_share * search.first_gain;
+}
+
+/// The best of the sorted ones that is worth its charge and that no driver outside of the recording outdoes.
+std::optional<Found> chosen(const Signals& s, const SensorSearch& search, const Judge& judge,
+                            std::vector<Found> sorted) {
+  while (auto best = best_explanation(sorted, s.current_A.size() > 0)) {
+    const std::string id = best->id;
+    best = adequate(s, search, judge, std::move(*best));
+    if (!pays(search, *best)) return std::nullopt;
+    best = against_the_unrecorded(s, search, judge, std::move(*best));
+    if (best) return best;
+    std::erase_if(sorted, [&](const Found& f) { return f.id == id; });
+  }
+  return std::nullopt;
 }
 
 }  // namespace
@@ -170,13 +192,8 @@ std::optional<Found> next_effect(const Signals& s, SensorSearch& search) {
   for (const Found& f : refined) ranking.push_back({f.id, f.window, f.gain_nats, f.net_nats});
   if (search.found.empty()) search.ranking = ranking;
 
-  std::optional<Found> best = best_explanation(refined, s.current_A.size() > 0);
-  if (best) best = adequate(s, search, judge, std::move(*best));
-  const double least_share = search.has_unknown() ? kLeastShareBesideUnknown : kLeastShareOfFirst;
+  std::optional<Found> best = chosen(s, search, judge, std::move(refined));
   if (!best) return std::nullopt;
-  const bool free_form = best->id.starts_with("unknown:");  // there are more products than laws
-  const double least = search.first_gain > 0 || free_form ? kLeastNetBeside : kLeastNet;
-  if (best->net_nats < least || best->gain_nats < least_share * search.first_gain) return std::nullopt;
   best->rivals = std::move(ranking);
   SensorSearch with = search;
   add_to(with, *best);
