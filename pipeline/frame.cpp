@@ -38,7 +38,18 @@ fusion::AttitudeEstimate in_frame(const fusion::AttitudeEstimate& sensor_in_enu,
     e.rate_body_radps = array(Vec3(R_body_sensor * vec(e.rate_body_radps)));
     set_sigmas(q_world_body, e);
   }
-  return frame.world == WorldFrame::kNed ? fusion::in_ned(e) : e;
+  if (frame.world == WorldFrame::kNed) e = fusion::in_ned(e);
+  e.gyro_bias_radps = sensor_in_enu.gyro_bias_radps;  // as the calibration: of the sensor's axes
+  return e;
+}
+
+CalibratedSample in_frame(const CalibratedSample& of_sensor, const OutputFrame& frame) noexcept {
+  CalibratedSample body = of_sensor;
+  for (Array3* v : {&body.acc_mps2, &body.gyr_radps, &body.mag_uT}) {
+    *v = array(Vec3(frame.q_body_sensor * vec(*v)));
+    if (frame.world == WorldFrame::kNed) *v = {(*v)[0], -(*v)[1], -(*v)[2]};
+  }
+  return body;
 }
 
 }  // namespace stillpoint::pipeline

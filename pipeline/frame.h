@@ -19,4 +19,7 @@ struct OutputFrame {
 [[nodiscard]] fusion::AttitudeEstimate in_frame(const fusion::AttitudeEstimate& sensor_in_enu,
                                                 const OutputFrame& frame) noexcept;
 
+/// The same for the readings, whose magnetometer and accelerometer stand beside the attitude on the ROS 2 topics.
+[[nodiscard]] CalibratedSample in_frame(const CalibratedSample& of_sensor, const OutputFrame& frame) noexcept;
+
 }  // namespace stillpoint::pipeline

@@ -38,6 +38,7 @@ CalibrationMessage to_message(const CalibrationSnapshot& snapshot, const std::st
 SlowWork::SlowWork(const io::DaemonConfig& config, io::DdsPublisher& publisher, calib::OnlineCalibrator& calibrator,
                    const io::StateStore* store, const pipeline::Shared& shared)
     : config_(config),
+      frame_(io::stages_params(config).frame),
       publisher_(publisher),
       calibrator_(calibrator),
       store_(store),
@@ -51,7 +52,7 @@ SlowWork::SlowWork(const io::DaemonConfig& config, io::DdsPublisher& publisher, 
 void SlowWork::on_sample(const pipeline::Outgoing& sample) {
   publisher_.publish_raw(sample.raw, sample.arrival_ns);
   if (!sample.published) return;
-  publisher_.publish_imu(sample.message, sample.sample);
+  publisher_.publish_imu(sample.message, pipeline::in_frame(sample.sample, frame_));
   last_ = sample.message;
 }
 

@@ -31,6 +31,7 @@ class SlowWork {
                                                bool is_stale);
 
   const io::DaemonConfig& config_;
+  pipeline::OutputFrame frame_;  ///< of the ROS 2 topics, as of the attitude
   io::DdsPublisher& publisher_;
   calib::OnlineCalibrator& calibrator_;
   const io::StateStore* store_;

@@ -8,6 +8,7 @@
 
 #include "io/dds_convert.h"
 #include "io/dds_publisher.h"
+#include "tests/apps/apps_testing.h"
 #include "tests/dds/dds_testing.h"
 #include "tests/dds/process.h"
 
@@ -71,15 +72,19 @@ TEST(Ros2, DiagnosticsCarryALevelOfRep107) {
   EXPECT_EQ(array.status()[0].level(), 3);
 }
 
-TEST(Ros2, ASubscriberOfAnotherVendorReadsEveryFieldAndTheTypeHash) {
-  if (std::string(CYCLONE_READER).empty())
-    GTEST_SKIP() << "SKIPPED: no Cyclone DDS was found when this was configured (apt-get install cyclonedds-dev "
-                    "cyclonedds-tools)";
+void keep_cyclone_on_loopback() {
   setenv("CYCLONEDDS_URI",
          "<Domain><General><Interfaces><NetworkInterface address='127.0.0.1'/></Interfaces>"
          "<AllowMulticast>false</AllowMulticast></General><Discovery><ParticipantIndex>auto</ParticipantIndex>"
          "<Peers><Peer address='127.0.0.1'/></Peers></Discovery></Domain>",
          1);
+}
+
+TEST(Ros2, ASubscriberOfAnotherVendorReadsEveryFieldAndTheTypeHash) {
+  if (std::string(CYCLONE_READER).empty())
+    GTEST_SKIP() << "SKIPPED: no Cyclone DDS was found when this was configured (apt-get install cyclonedds-dev "
+                    "cyclonedds-tools)";
+  keep_cyclone_on_loopback();
   auto publisher = io::DdsPublisher::create(test_params());
   ASSERT_TRUE(publisher) << publisher.error().message;
   test::Process reader({CYCLONE_READER, std::to_string(test_params().domain)});
@@ -114,6 +119,36 @@ TEST(Ros2, ASubscriberOfAnotherVendorReadsEveryFieldAndTheTypeHash) {
   add(calibrated_sample().acc_mps2);
   add(Array9{});
   EXPECT_EQ(got, expected);
+}
+
+/// The sensor lies on its side, mounted so that the body stands upright.
+TEST(Ros2, OfAMountedSensorTheDaemonPublishesTheForceInTheBodysAxes) {
+  if (std::string(CYCLONE_READER).empty()) GTEST_SKIP() << "SKIPPED: no Cyclone DDS was found";
+  keep_cyclone_on_loopback();
+  const test::ScratchFolder folder;
+  std::string recording = "time_s,acc_x_mps2,acc_y_mps2,acc_z_mps2,gyr_x_radps,gyr_y_radps,gyr_z_radps\n";
+  for (int k = 0; k < 3000; ++k) recording += std::to_string(0.02 * k) + ",9.81,0.0,0.0,0.1,0.0,0.0\n";
+  test::write_file(folder / "r.csv", recording);
+  test::write_file(folder / "d.yaml",
+                   "source: {kind: recording, file: r.csv, speed: 1}\noutput: {mount: \"+y +z +x\"}\ndds: {domain: " +
+                       std::to_string(test_params().domain) + "}\n");
+  test::Process daemon({STILLPOINTD, "--config", folder / "d.yaml"}, folder / "log");
+  test::Process reader({CYCLONE_READER, std::to_string(test_params().domain)});
+  const std::string said = reader.output();
+  ASSERT_EQ(reader.wait(), 0) << said << test::read_file(folder / "log");
+  std::istringstream fields(said.substr(said.find("imu_link")));
+  std::string frame;
+  fields >> frame;
+  std::vector<double> got;
+  for (double x = 0; fields >> x;) got.push_back(x);
+  ASSERT_EQ(got.size(), 2U + 4U + 3U * 9U + 6U) << said;
+  const Quat q_world_body(got[5], got[2], got[3], got[4]);
+  const Vec3 rate(got[15], got[16], got[17]), force(got[27], got[28], got[29]);
+  EXPECT_LT((force - Vec3(0, 0, 9.81)).norm(), 0.01) << force.transpose();
+  EXPECT_LT((rate - Vec3(0, 0, 0.1)).norm(), 0.05) << rate.transpose();
+  EXPECT_LT((q_world_body * force - Vec3(0, 0, 9.81)).norm(), 0.1);
+  daemon.send(SIGTERM);
+  daemon.wait();
 }
 
 }  // namespace
