@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "calib_online/directions.h"
 #include "core/so3.h"
 #include "core/types.h"
 #include "core/units.h"
@@ -51,10 +52,7 @@ inline double rms(const std::vector<double>& v) {
 /// Even directions, for judging a calibration over the whole sphere.
 inline std::vector<Vec3> even_directions(int n) {
   std::vector<Vec3> out;
-  for (int k = 0; k < n; ++k) {
-    const double z = 1.0 - (2.0 * k + 1.0) / n, r = std::sqrt(1.0 - z * z), a = 2.399963229728653 * k;
-    out.emplace_back(r * std::cos(a), r * std::sin(a), z);
-  }
+  for (int k = 0; k < n; ++k) out.push_back(calib::even_direction(k, n));
   return out;
 }
 

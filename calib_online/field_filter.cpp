@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "calib_online/directions.h"
 #include "core/so3.h"
 
 namespace stillpoint::calib {
@@ -44,16 +45,34 @@ void FieldFilter::predict(double dt_s) noexcept {
   s_.P.set(P);
 }
 
+/// (F2) R ((I + D) after - c) - ((I + D) before - c) = noise, of the elements of D and of c.
+FieldFilter::Mat3x12 FieldFilter::design(const Pair& pair, const Mat3& lever) noexcept {
+  Mat3x12 h;
+  for (int j = 0; j < 3; ++j) h.block<3, 3>(0, 3 * j) = pair.R.col(j) * pair.after_uT.transpose();
+  for (int i = 0; i < 3; ++i) h.block<1, 3>(i, 3 * i) -= pair.before_uT.transpose();
+  h.rightCols<3>() = lever;
+  return h;
+}
+
+/// The body carries another field: that field is as open as at the start, the matrix stays.
+void FieldFilter::open_carried_field(const StateMat& P) noexcept {
+  StateMat open = P;
+  open.diagonal().tail<3>().array() += squared(params_.hard_iron_sd_uT);
+  s_.P.set(open);
+  s_.change_information = {};
+  s_.change_rhs = {};
+  s_.change_energy = 0.0;
+  s_.rejected_run = 0;
+  s_.factory_error = s_.learnt_error = 0.0;
+  s_.pairs = s_.compared = 0;
+  ++s_.changes;
+}
+
 FieldFilter::Verdict FieldFilter::update(const Pair& pair) noexcept {
-  // (F2) R ((I + D) after - c) - ((I + D) before - c) = noise
   const Vec3& after = pair.after_uT;
   const Vec3 z = pair.before_uT - pair.R * after;
   const Mat3 lever = Mat3::Identity() - pair.R;  // of c
-  Mat3x12 h;
-  for (int j = 0; j < 3; ++j) h.block<3, 3>(0, 3 * j) = pair.R.col(j) * after.transpose();
-  for (int i = 0; i < 3; ++i) h.block<1, 3>(i, 3 * i) -= pair.before_uT.transpose();
-  h.rightCols<3>() = lever;
-
+  const Mat3x12 h = design(pair, lever);
   Eigen::Map<StateVec> x(s_.x.data());
   const StateMat P = s_.P.full();
   const Vec3 e = z - h * x;
@@ -81,16 +100,7 @@ FieldFilter::Verdict FieldFilter::update(const Pair& pair) noexcept {
   note_misfit(e, lever, rejected);
   if (rejected) {
     if (!body_changed()) return Verdict::kWorldChanged;
-    StateMat open = P;
-    open.diagonal().tail<3>().array() += squared(params_.hard_iron_sd_uT);
-    s_.P.set(open);
-    s_.change_information = {};
-    s_.change_rhs = {};
-    s_.change_energy = 0.0;
-    s_.rejected_run = 0;
-    s_.factory_error = s_.learnt_error = 0.0;
-    s_.pairs = s_.compared = 0;
-    ++s_.changes;
+    open_carried_field(P);
     return Verdict::kBodyChanged;
   }
   // (F4) Noise averages out over pairs. The place does not: a hand comes back to the same spots in the same attitudes.
@@ -136,11 +146,8 @@ FieldFilter::Uncertainty FieldFilter::uncertainty() const noexcept {
   const StateMat P = s_.P.full();
   Uncertainty out;
   constexpr int kDirections = 32;
-  constexpr double kGoldenAngle = 2.399963229728653;
   for (int k = 0; k < kDirections; ++k) {
-    const double z = 1.0 - (2.0 * k + 1.0) / kDirections;
-    const double r = std::sqrt(1.0 - z * z);
-    const Vec3 u(r * std::cos(kGoldenAngle * k), r * std::sin(kGoldenAngle * k), z);
+    const Vec3 u = even_direction(k, kDirections);
     Mat3x12 g = Mat3x12::Zero();
     for (int i = 0; i < 3; ++i) g.block<1, 3>(i, 3 * i) = s_.strength_uT * u.transpose();
     g.rightCols<3>() = -Mat3::Identity();

@@ -98,6 +98,8 @@ class FieldFilter {
 
  private:
   using Mat3x12 = Eigen::Matrix<double, 3, kStates>;
+  [[nodiscard]] static Mat3x12 design(const Pair& pair, const Mat3& lever) noexcept;
+  void open_carried_field(const StateMat& P) noexcept;
   void note_misfit(const Vec3& e, const Mat3& lever, bool rejected) noexcept;
   [[nodiscard]] bool body_changed() const noexcept;
 

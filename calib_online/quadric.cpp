@@ -3,6 +3,8 @@
 #include <Eigen/Dense>
 #include <cmath>
 
+#include "calib_online/directions.h"
+
 namespace stillpoint::calib {
 
 std::optional<Ellipsoid> ellipsoid(const Vec9& p) noexcept {
@@ -33,11 +35,8 @@ double mean_norm_variance(const Mat9& c) noexcept {
 WorstDirection worst_norm_variance(const Mat9& covariance) noexcept {
   WorstDirection worst;
   constexpr int kDirections = 48;
-  constexpr double kGoldenAngle = 2.399963229728653;
   for (int k = 0; k < kDirections; ++k) {
-    const double z = 1.0 - (2.0 * k + 1.0) / kDirections;
-    const double r = std::sqrt(1.0 - z * z);
-    const Vec3 x(r * std::cos(kGoldenAngle * k), r * std::sin(kGoldenAngle * k), z);
+    const Vec3 x = even_direction(k, kDirections);
     const Vec9 d = quadric_terms(x);
     const double variance = 0.25 * d.dot(covariance * d);
     if (variance > worst.variance) worst = {variance, x};

@@ -143,6 +143,7 @@ class RestDetector {
   void restart() noexcept;
   std::optional<Window> evaluate(const CalibrationSnapshot& calibration) noexcept;
   [[nodiscard]] Summary summarise(std::size_t triad) const noexcept;
+  [[nodiscard]] Mat3 covariance_of_mean(std::size_t triad, const Vec3& mean_in_ref) const noexcept;
   void judge_faults(Evidence& e) const noexcept;
   std::optional<Window> tell_faults(const Evidence& e) noexcept;
   [[nodiscard]] Refusal judge_force(Evidence& e, const CalibrationSnapshot& calibration) const noexcept;

@@ -48,6 +48,23 @@ std::string_view name(Refusal refusal) noexcept {
   return "?";
 }
 
+/// From block means: correlated noise and vibration are inside, which sigma^2/n would miss.
+Mat3 RestDetector::covariance_of_mean(std::size_t w, const Vec3& mean_in_ref) const noexcept {
+  Mat3 sum = Mat3::Zero();
+  int blocks = 0;
+  for (const auto& quarter : quarters_) {
+    const Triad& t = quarter.triad[w];
+    for (std::size_t b = 0; b < kBlocks; ++b) {
+      if (t.n[b] == 0) continue;
+      const Vec3 d = t.block_ref[b] / t.n[b] - mean_in_ref;
+      sum += d * d.transpose();
+      ++blocks;
+    }
+  }
+  if (blocks > 1) sum /= static_cast<double>(blocks) * (blocks - 1);
+  return sum;
+}
+
 RestDetector::Summary RestDetector::summarise(std::size_t w) const noexcept {
   Summary s;
   const Mat3 R_middle_ref = quarters_[kQuarters / 2].chain.q.toRotationMatrix().transpose();
@@ -95,18 +112,7 @@ RestDetector::Summary RestDetector::summarise(std::size_t w) const noexcept {
   s.spread_turn_sq = along * along / std::max(1e-12, s.mean.squaredNorm()) + change.curvature.squaredNorm();
   s.spread_noise_sq = 6.0 * s.white_var / (0.25 * s.n);
   s.slope = change.slope / (std::sqrt(5.0) * params_.window_s / kQuarters);  // least squares over the four quarters
-  // Covariance of the mean from block means: correlated noise and vibration are inside, which sigma^2/n would miss.
-  int blocks = 0;
-  for (const auto& quarter : quarters_) {
-    const Triad& t = quarter.triad[w];
-    for (std::size_t b = 0; b < kBlocks; ++b) {
-      if (t.n[b] == 0) continue;
-      const Vec3 d = t.block_ref[b] / t.n[b] - mean_in_ref;
-      s.cov += d * d.transpose();
-      ++blocks;
-    }
-  }
-  if (blocks > 1) s.cov /= static_cast<double>(blocks) * (blocks - 1);
+  s.cov = covariance_of_mean(w, mean_in_ref);
   if (w != kGyrIndex) s.cov = (R_middle_ref * s.cov * R_middle_ref.transpose()).eval();
   s.cov += 1e-12 * Mat3::Identity();
   return s;
