@@ -114,7 +114,8 @@ struct StateConfig {
     using P = StateConfig;
     return std::tuple{
         field("directory", &P::directory,
-              "what was learnt is kept here; empty: $STATE_DIRECTORY (systemd), else nowhere"),
+              "what was learnt is kept here (relative: to the working folder); empty: $STATE_DIRECTORY (systemd), else "
+              "nowhere"),
         field("keep", &P::keep, in_range(1, 100), "so many good versions are kept"),
         field("save_period_s", &P::save_period_s, in_range(0.1, 86400), "a change is on disk after at most this time")};
   }
@@ -157,7 +158,7 @@ struct DaemonConfig {
 [[nodiscard]] Result<DaemonConfig> read_config(const std::string& path);
 [[nodiscard]] Result<DaemonConfig> parse_config(const std::string& text, const std::string& name);
 
-/// Every value with its meaning; values that are the default are marked.
+/// Every value with its meaning, in a form that reads back from any folder; values that are the default are marked.
 [[nodiscard]] std::string print_config(const DaemonConfig& config);
 
 /// The parts as the pipeline takes them.

@@ -1,3 +1,7 @@
+// A configuration as YAML that reads back to the same, each key with its meaning.
+#include <filesystem>
+#include <sstream>
+
 #include "io/config.h"
 #include "io/simulation_yaml.h"
 
@@ -56,6 +60,10 @@ void print_one(std::string& out, std::string_view name, std::string_view help, c
   if (value) print_one(out, name, help, *value, T{}, depth);
 }
 
+/// Without a source there is nothing that could be read back: its keys are shown as a comment.
+void print_one(std::string& out, std::string_view name, std::string_view help, const SourceConfig& value,
+               const SourceConfig& by_default, int depth);
+
 template <HasFields P>
 void print(std::string& out, const P& values, const P& defaults, int depth) {
   std::apply(
@@ -63,11 +71,25 @@ void print(std::string& out, const P& values, const P& defaults, int depth) {
       P::fields());
 }
 
+void print_one(std::string& out, std::string_view name, std::string_view help, const SourceConfig& value,
+               const SourceConfig& by_default, int depth) {
+  std::string block = fmt::format("{}:  # {}\n", name, help);
+  print(block, value, by_default, depth + 1);
+  if (value.kind != SourceKind::kNone) {
+    out += block;
+    return;
+  }
+  std::istringstream lines(block);
+  for (std::string line; std::getline(lines, line);) out += "# " + line + "\n";
+}
+
 }  // namespace
 
 std::string print_config(const DaemonConfig& config) {
   std::string out;
-  print(out, config, DaemonConfig{}, 0);
+  DaemonConfig anywhere = config;  // read back, the text may lie in another folder
+  if (!config.source.file.empty()) anywhere.source.file = std::filesystem::absolute(config.source.file).string();
+  print(out, anywhere, DaemonConfig{}, 0);
   return out;
 }
 

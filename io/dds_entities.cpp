@@ -14,6 +14,7 @@
 #include <fastdds/dds/domain/DomainParticipantFactory.hpp>
 #include <fastdds/dds/log/Log.hpp>
 #include <mutex>
+#include <set>
 
 #ifdef __SANITIZE_ADDRESS__
 // libfastrtps 2.9.1 deletes its StatisticsWriterImpl through a base of another size; AddressSanitizer would end there.
@@ -113,6 +114,11 @@ std::vector<std::string> check(const DdsParams& p) {
   if (p.attitude_topic.empty()) faults.emplace_back("attitude_topic is empty; every daemon publishes its attitude");
   if (p.calibration_topic.empty()) faults.emplace_back("calibration_topic is empty");
   if (p.diagnostics_topic.empty()) faults.emplace_back("diagnostics_topic is empty");
+  std::set<std::string> names;
+  for (const auto& topic : {p.attitude_topic, p.calibration_topic, p.diagnostics_topic, p.raw_topic})
+    if (!topic.empty() && !names.insert(topic).second)
+      faults.push_back(
+          fmt::format("two topics are named '{}'; each has a type of its own and needs a name of its own", topic));
   return faults;
 }
 

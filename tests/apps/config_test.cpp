@@ -41,6 +41,24 @@ TEST(DaemonConfig, PrintedItReadsBackToTheSame) {
   EXPECT_EQ(print_config(*again), text);
 }
 
+TEST(DaemonConfig, PrintedWithoutASourceItReadsBackToo) {
+  const auto config = parse_config("sensor: {id: a}", "f.yaml");
+  ASSERT_TRUE(config.has_value()) << config.error().message;
+  const std::string text = print_config(*config);
+  EXPECT_NE(text.find("#   file: "), std::string::npos) << text;
+  const auto again = parse_config(text, "printed.yaml");
+  ASSERT_TRUE(again.has_value()) << again.error().message << text;
+  EXPECT_EQ(print_config(*again), text);
+}
+
+TEST(DaemonConfig, PrintedItNamesItsSourceFromAnyFolder) {
+  const auto config = parse_config("source: {kind: recording, file: a.csv}", "folder/f.yaml");
+  ASSERT_TRUE(config.has_value()) << config.error().message;
+  const auto again = parse_config(print_config(*config), "/elsewhere/printed.yaml");
+  ASSERT_TRUE(again.has_value()) << again.error().message;
+  EXPECT_EQ(again->source.file, std::filesystem::absolute("folder/a.csv").string());
+}
+
 TEST(DaemonConfig, NamesEveryFaultAtItsPlaceNotOnlyTheFirst) {
   const std::string all = faults(
       "source: {kind: recordin, file: a.csv}\nrest: {window_s: .nan}\nattitude: {gyr_noise_radps_rtHz: fast}\n"
@@ -50,6 +68,11 @@ TEST(DaemonConfig, NamesEveryFaultAtItsPlaceNotOnlyTheFirst) {
         "f.yaml:3:34: 'gyr_noise_radps_rtHz' must be a number", "f.yaml:4:16: 'stale_after_s' is -1",
         "f.yaml:5:1: unknown key 'sensr'; did you mean 'sensor'?", "f.yaml:6:23: 'world_frame'"})
     EXPECT_NE(all.find(fault), std::string::npos) << fault << "\nnot in\n" << all;
+}
+
+TEST(DaemonConfig, RefusesTwoTopicsOfOneName) {
+  EXPECT_NE(faults("dds: {attitude_topic: a, raw_topic: a}").find("two topics are named 'a'"), std::string::npos);
+  EXPECT_EQ(faults("dds: {raw_topic: ''}"), "no fault");
 }
 
 TEST(DaemonConfig, RefusesAMirroredMountAndNamesTheNearestRotation) {
