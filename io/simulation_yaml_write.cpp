@@ -1,8 +1,8 @@
 /// A simulation's configuration as YAML that reads back to the same.
 #include <algorithm>
-#include <fstream>
 
 #include "io/simulation_yaml.h"
+#include "io/text_file.h"
 
 namespace stillpoint::io {
 namespace {
@@ -114,13 +114,7 @@ std::string format_simulation(const SimulationConfig& c) {
 }
 
 Result<void> write_simulation(const SimulationConfig& config, const std::string& path) {
-  std::ofstream file(path, std::ios::binary);
-  if (!file) return fail(ErrorKind::kCannotCreate, fmt::format("{}: cannot be created; does the folder exist?", path));
-  file << format_simulation(config);
-  file.flush();
-  if (!file)
-    return fail(ErrorKind::kCannotCreate, fmt::format("{}: could not be written whole; is the disk full?", path));
-  return {};
+  return write_text_file(path, format_simulation(config));
 }
 
 }  // namespace stillpoint::io

@@ -1,8 +1,12 @@
 #include "io/text_file.h"
 
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include <array>
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
 #include <filesystem>
 #include <fstream>
 
@@ -24,6 +28,36 @@ Result<std::string> read_text_file(const std::string& path, const std::string& w
     text.append(part.data(), static_cast<std::size_t>(file.gcount()));
   if (file.bad()) return fail(ErrorKind::kNoInput, fmt::format("{}: cannot be read to its end", path));
   return text;
+}
+
+namespace {
+
+tl::unexpected<Error> not_writable(const std::string& what, int error) {
+  return fail(ErrorKind::kCannotCreate,
+              fmt::format("{}: cannot be written: {}; check the folder, its permissions and the disk", what,
+                          std::strerror(error)));
+}
+
+}  // namespace
+
+Result<void> expect_writable(const std::string& path) {
+  namespace fs = std::filesystem;
+  if (path.empty() || path == "-") return {};
+  std::error_code unknown;
+  if (fs::is_directory(path, unknown)) return not_writable(path, EISDIR);
+  const fs::path folder = fs::path(path).parent_path();
+  const std::string asked = fs::exists(path, unknown) ? path : folder.empty() ? "." : folder.string();
+  if (access(asked.c_str(), W_OK) != 0) return not_writable(path, errno);
+  return {};
+}
+
+Result<void> write_text_file(const std::string& path, std::string_view text) {
+  const bool standard = path == "-";
+  std::FILE* file = standard ? stdout : std::fopen(path.c_str(), "wb");
+  bool whole = file != nullptr && std::fwrite(text.data(), 1, text.size(), file) == text.size();
+  if (file != nullptr) whole = (standard ? std::fflush(file) : std::fclose(file)) == 0 && whole;
+  if (whole) return {};
+  return not_writable(standard ? "standard output" : path, errno);
 }
 
 }  // namespace stillpoint::io

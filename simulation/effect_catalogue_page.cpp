@@ -1,3 +1,4 @@
+// The catalogue of effects as the page docs/effects.md, which `stillpoint effects` prints.
 #include <cstdio>
 
 #include "simulation/effect_catalogue.h"

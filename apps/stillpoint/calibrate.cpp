@@ -1,16 +1,14 @@
 /// `stillpoint calibrate`: one method on a table of static readings, or the online calibration over a recording.
 #include "apps/stillpoint/calibrate.h"
 
-#include <cstring>
-#include <fstream>
-
 #include "apps/stillpoint/commands.h"
 
 namespace stillpoint::app {
 namespace {
 
 struct Arguments {
-  std::string points, method, recording, state, json;
+  std::string points, method, recording, state;
+  JsonOption json;
   std::vector<double> initial_centre;
   double initial_radius = 0.0, full_scale_g = 0.0;
   int converter_bits = 0;
@@ -22,31 +20,19 @@ int usage(const char* message) {
   return static_cast<int>(ErrorKind::kUsage);
 }
 
-int run_calibrate(Arguments a, bool json_asked) {
-  const JsonTarget json = json_asked ? JsonTarget(a.json) : std::nullopt;
+int run_calibrate(Arguments a) {
   if (a.points.empty() == a.recording.empty())
     return usage("calibrate needs --points FILE --method METHOD, or --recording FILE");
-  if (!a.recording.empty()) return calibrate_recording(a.recording, json, a.state);
+  if (!a.recording.empty()) return calibrate_recording(a.recording, a.json.target(), a.state);
   if (!a.initial_centre.empty())
     a.options.initial_centre = Vec3(a.initial_centre[0], a.initial_centre[1], a.initial_centre[2]);
   if (a.initial_radius > 0.0) a.options.initial_radius = a.initial_radius;
   if (a.converter_bits > 0) a.options.converter_bits = a.converter_bits;
   if (a.full_scale_g > 0.0) a.options.full_scale_g = a.full_scale_g;
-  return calibrate_points(a.points, a.method, a.options, json);
+  return calibrate_points(a.points, a.method, a.options, a.json.target());
 }
 
 }  // namespace
-
-int write_json(const std::string& text, const std::string& target) {
-  if (target.empty() || target == "-") {
-    std::fwrite(text.data(), 1, text.size(), stdout);
-    return 0;
-  }
-  std::ofstream file(target);
-  file << text << std::flush;
-  if (file) return 0;
-  return report({ErrorKind::kCannotCreate, target + ": cannot write: " + std::strerror(errno)});
-}
 
 void add_calibrate(CLI::App& app, Run& run) {
   auto* command = app.add_subcommand("calibrate", "Calibrate from a table of static readings or from a recording");
@@ -58,9 +44,7 @@ void add_calibrate(CLI::App& app, Run& run) {
   auto* recording = command->add_option("--recording", a.recording,
                                         "recording (.csv): detect rest and run the online calibration over it");
   points->excludes(recording);
-  auto* json =
-      command->add_option("--json", a.json, "write JSON to this file; without a name or with -: to standard output");
-  json->expected(0, 1);
+  a.json.add(*command, "write the result");
   command->add_option("--state", a.state, "with --recording: what was learnt; read if it is there, written at the end")
       ->needs(recording);
   command->add_option("--method", a.method, "with --points: " + names)->needs(points);
@@ -79,7 +63,7 @@ void add_calibrate(CLI::App& app, Run& run) {
       ->check(CLI::Range(1, 64));
   of_points("--full-scale-g", a.full_scale_g, "with --points: full scale of the sensor; checks the radius")
       ->check(between(0.01, 1e6));
-  command->callback([&run, json] { run = [json] { return run_calibrate(a, json->count() > 0); }; });
+  command->callback([&run] { run = [] { return run_calibrate(a); }; });
 }
 
 }  // namespace stillpoint::app

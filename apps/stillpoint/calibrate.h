@@ -7,14 +7,11 @@
 
 namespace stillpoint::app {
 
-/// --json: empty optional, not asked for; "-" or "": standard output, and nothing else there; else a file.
+/// --json: empty, not asked for; "-": standard output, and nothing else there; else a file.
 using JsonTarget = std::optional<std::string>;
 
 int calibrate_points(const std::string& points, const std::string& method, const calib::PointsOptions& options,
                      const JsonTarget& json);
 int calibrate_recording(const std::string& recording, const JsonTarget& json, const std::string& state);
-
-/// Writes `text` to the target. 0, or 73 when the file cannot be written.
-int write_json(const std::string& text, const std::string& target);
 
 }  // namespace stillpoint::app

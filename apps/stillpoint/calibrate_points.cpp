@@ -203,7 +203,7 @@ int calibrate_points(const std::string& path, const std::string& method_name, co
   if (json) {
     const std::string text =
         to_json(method_name, fit, count, residuals).dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
-    if (const int failed = write_json(text, *json)) return failed;
+    if (const auto written = io::write_text_file(*json, text); !written) return report(written.error());
   }
   if (fit.status != calib::FitStatus::kOk)
     return report({ErrorKind::kBadData, fmt::format("{}: {}", calib::name(fit.status), fit.reason)});

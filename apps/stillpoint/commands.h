@@ -6,6 +6,8 @@
 #include <CLI/CLI.hpp>
 #include <cstdio>
 #include <functional>
+#include <optional>
+#include <string>
 
 #include "core/result.h"
 
@@ -29,6 +31,26 @@ inline CLI::Validator between(double low, double high) {
   };
   return {refusal, fmt::format("{:g} - {:g}", low, high)};
 }
+
+/// `--json [FILE]`: JSON into a file, or to standard output and nothing else there.
+class JsonOption {
+ public:
+  void add(CLI::App& command, const std::string& what) {
+    option_ =
+        command
+            .add_option("--json", name_, what + " as JSON into this file; without a name or with -: to standard output")
+            ->expected(0, 1);
+  }
+  /// Empty when it was not given; "-" is standard output.
+  [[nodiscard]] std::optional<std::string> target() const {
+    if (option_ == nullptr || option_->count() == 0) return std::nullopt;
+    return name_.empty() ? "-" : name_;
+  }
+
+ private:
+  std::string name_;
+  CLI::Option* option_ = nullptr;
+};
 
 void add_calibrate(CLI::App& app, Run& run);
 void add_check(CLI::App& app, Run& run);

@@ -19,6 +19,12 @@ inline void add_dds_options(CLI::App& command, io::DdsParams& params) {
       ->check(CLI::IsMember({"udp", "shm", "data_sharing"}))
       ->capture_default_str();
   command.add_option("--interface", params.interface, "address of the network interface, or any")
+      ->check([](const std::string& text) {
+        io::DdsParams asked;
+        asked.interface = text;
+        const auto faults = io::check(asked);
+        return faults.empty() ? std::string() : faults.front();
+      })
       ->capture_default_str();
 }
 

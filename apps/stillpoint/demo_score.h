@@ -1,10 +1,14 @@
 /// Attitudes against the truth, for `stillpoint demo`.
 #pragma once
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
 
 #include "core/types.h"
+#include "io/config.h"
+#include "io/recording.h"
 
 namespace stillpoint::app {
 
@@ -34,5 +38,17 @@ class AttitudeScore {
   std::array<double, 3> sum_{};
   std::size_t count_ = 0;
 };
+
+/// The row of this time, or the number of rows when there is none.
+[[nodiscard]] std::size_t row_at(const io::Recording& recording, std::int64_t t_ns);
+
+/// The reference attitude. Pre: the recording has one, row < size.
+[[nodiscard]] Quat truth_at(const io::Recording& recording, std::size_t row);
+
+/// Only the second half of the recording is scored: the first half is the learning.
+[[nodiscard]] bool is_scored(const io::Recording& recording, std::size_t row);
+
+/// The recording through the daemon's stages with nothing learnt: neither by the calibration nor by the filter.
+[[nodiscard]] AttitudeScore score_without_learning(const io::Recording& recording, const io::DaemonConfig& config);
 
 }  // namespace stillpoint::app

@@ -2,7 +2,6 @@
 #include <fmt/format.h>
 
 #include <cstdio>
-#include <fstream>
 
 #include "apps/stillpoint/commands.h"
 #include "apps/stillpoint/progress.h"
@@ -12,6 +11,7 @@
 #include "io/config.h"
 #include "io/recording.h"
 #include "io/simulation_yaml.h"
+#include "io/text_file.h"
 #include "simulation/effect_catalogue.h"
 
 namespace stillpoint::app {
@@ -23,18 +23,6 @@ struct Options {
   std::size_t twins = 0;
   bool fail_on_mismatch = false;
 };
-
-Result<void> write_text(const std::string& path, const std::string& text) {
-  if (path == "-") {
-    std::fwrite(text.data(), 1, text.size(), stdout);
-    return {};
-  }
-  std::ofstream file(path);
-  file << text;
-  file.flush();
-  if (!file) return fail(ErrorKind::kCannotCreate, path + ": cannot be written; check the folder and the disk");
-  return {};
-}
 
 /// The found physics as blocks to paste: for the simulation, and for the daemon what it can take out in real time.
 std::string blocks_to_paste(const std::vector<sim::EffectConfig>& effects) {
@@ -58,6 +46,8 @@ diag::Answer with_progress(const std::string& what, const io::Recording& recordi
 }
 
 int run_diagnose(const Options& o) {
+  for (const auto& path : {o.json, o.report, o.improved})
+    if (const auto writable = io::expect_writable(path); !writable) return report(writable.error());
   const auto simulation = io::read_simulation(o.simulation);
   if (!simulation) return report(simulation.error());
   const auto recording = io::read_recording(o.recording, io::OnMalformedRow::kCount);
@@ -85,7 +75,8 @@ int run_diagnose(const Options& o) {
     if (const auto done = diag::write_report(answer.diagnosis, context, o.report); !done) return report(done.error());
   }
   if (!o.json.empty())
-    if (const auto done = write_text(o.json, diag::to_json(answer.diagnosis)); !done) return report(done.error());
+    if (const auto done = io::write_text_file(o.json, diag::to_json(answer.diagnosis)); !done)
+      return report(done.error());
   return o.fail_on_mismatch && !answer.diagnosis.findings.empty() ? static_cast<int>(ErrorKind::kThreshold) : 0;
 }
 

@@ -10,6 +10,7 @@
 #include "core/units.h"
 #include "io/config.h"
 #include "io/recording.h"
+#include "io/text_file.h"
 #include "pipeline/stages.h"
 
 namespace stillpoint::app {
@@ -17,7 +18,8 @@ namespace {
 
 struct Arguments {
   std::string config, recording, output;
-  bool json = false, skip_malformed = false;
+  bool skip_malformed = false;
+  JsonOption json;
 };
 
 std::string_view word(fusion::AttitudeStatus status) {
@@ -168,11 +170,11 @@ int run_estimate(const Arguments& a) {
   pipeline::Stages stages(io::stages_params(*config), calibrator.snapshot());
   const auto summary = estimate(*recording, stages, link, a.output);
   if (!summary) return report(summary.error());
-  if (a.json)
-    fmt::print("{}\n", to_json(*summary, stages, *recording).dump(2));
-  else
-    print_text(*summary, stages, *recording, a);
-  return 0;
+  const auto json = a.json.target();
+  if (!json || *json != "-") print_text(*summary, stages, *recording, a);
+  if (!json) return 0;
+  const auto written = io::write_text_file(*json, to_json(*summary, stages, *recording).dump(2) + "\n");
+  return written ? 0 : report(written.error());
 }
 
 }  // namespace
@@ -184,9 +186,9 @@ void add_estimate(CLI::App& app, Run& run) {
   command->add_option("--recording", a.recording, "recording (.csv)")->required();
   command->add_option("--output", a.output, "attitude (.csv); - is standard output")->required();
   command->add_flag("--skip-malformed", a.skip_malformed, "count malformed rows instead of failing");
-  auto* json = command->add_flag("--json", a.json, "what was found, as JSON on standard output");
-  command->callback([&run, json] {
-    if (a.json && a.output == "-") throw CLI::ExcludesError(json->get_name(), "--output -");
+  a.json.add(*command, "write what was found");
+  command->callback([&run] {
+    if (a.json.target() == "-" && a.output == "-") throw CLI::ExcludesError("--json -", "--output -");
     run = [] { return run_estimate(a); };
   });
 }

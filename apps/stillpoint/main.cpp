@@ -26,11 +26,11 @@ int main(int argc, char** argv) {
   app::add_check(cli, run);
   app::add_demo(cli, run);
   app::add_diagnose(cli, run);
+  app::add_effects(cli, run);
   app::add_estimate(cli, run);
   app::add_noise(cli, run);
   app::add_prove(cli, run);
   app::add_record(cli, run);
-  app::add_effects(cli, run);
   app::add_simulate(cli, run);
   app::add_watch(cli, run);
   if (argc < 2) {
@@ -43,5 +43,8 @@ int main(int argc, char** argv) {
   } catch (const CLI::ParseError& e) {
     return cli.exit(e) == 0 ? 0 : static_cast<int>(ErrorKind::kUsage);
   }
-  return run();
+  const int code = run();
+  if (std::fflush(stdout) == 0 && std::ferror(stdout) == 0) return code;
+  const int lost = app::report({ErrorKind::kCannotCreate, "standard output: cannot be written; is the disk full?"});
+  return code != 0 ? code : lost;
 }

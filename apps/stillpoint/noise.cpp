@@ -4,12 +4,12 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <fstream>
 #include <nlohmann/json.hpp>
 
 #include "apps/stillpoint/commands.h"
 #include "apps/stillpoint/noise_report.h"
 #include "io/recording.h"
+#include "io/text_file.h"
 
 namespace stillpoint::app {
 namespace {
@@ -46,15 +46,6 @@ std::pair<std::size_t, std::size_t> longest_rest(const io::Recording& r, double 
   }
   if (best_length == sd.size()) return {0, r.size()};
   return {best * block, (best + best_length) * block};
-}
-
-int write_text(const std::string& path, const std::string& text) {
-  std::ofstream file(path, std::ios::binary);
-  file << text;
-  file.close();
-  if (!file) return report({ErrorKind::kCannotCreate, fmt::format("{}: cannot be written", path)});
-  std::fprintf(stderr, "wrote %s\n", path.c_str());
-  return 0;
 }
 
 nlohmann::json to_json(const std::vector<SensorNoise>& sensors, double rate_hz, double seconds) {
@@ -123,14 +114,15 @@ int noise(const Options& options) {
     return report(
         {ErrorKind::kBadData, fmt::format("{}: no acc, gyr or mag columns with readings at rest", options.recording)});
   const std::string json = to_json(sensors, rate_hz, seconds).dump(1) + "\n", kalibr = kalibr_yaml(sensors, rate_hz);
-  if (options.json == "-")
-    std::fputs(json.c_str(), stdout);
-  else
+  if (options.json != "-")
     std::printf("%s\n+- and < are 95 %%; from %.1f s at %.6g Hz\n\n# simulation block\n%s\n# Kalibr imu.yaml\n%s",
                 noise_table(sensors).c_str(), seconds, rate_hz, noise_simulation_block(sensors, rate_hz).c_str(),
                 kalibr.c_str());
   const auto write = [](const std::string& path, const std::string& text) {
-    return path.empty() || path == "-" ? 0 : write_text(path, text);
+    if (path.empty()) return 0;
+    if (const auto done = io::write_text_file(path, text); !done) return report(done.error());
+    if (path != "-") std::fprintf(stderr, "wrote %s\n", path.c_str());
+    return 0;
   };
   if (const int code = write(options.json, json)) return code;
   if (const int code = write(options.kalibr, kalibr)) return code;

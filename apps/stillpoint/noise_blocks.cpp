@@ -1,3 +1,4 @@
+// A noise identification as text: the table, the block for a simulation, Kalibr's imu.yaml.
 #include <fmt/format.h>
 
 #include <algorithm>

@@ -1,3 +1,4 @@
+// The Allan deviations of a sensor and the terms that explain them, drawn log-log (SVG).
 #include <fmt/format.h>
 
 #include <algorithm>

@@ -15,6 +15,7 @@
 #include "diagnosis/prove/sha256.h"
 #include "diagnosis/report/svg.h"
 #include "io/simulation_yaml.h"
+#include "io/text_file.h"
 
 namespace stillpoint::app {
 namespace {
@@ -131,8 +132,8 @@ Result<std::vector<Posed>> collect(const Options& o, const fs::path& room) {
 }
 
 Result<void> write_proof(const Options& o, const std::string& text, const std::vector<Posed>& posed) {
-  std::ofstream file(o.report, std::ios::binary);
-  file << "<!doctype html><html lang=\"en\"><meta charset=\"utf-8\"><title>Proof on concealed "
+  std::ostringstream page;
+  page << "<!doctype html><html lang=\"en\"><meta charset=\"utf-8\"><title>Proof on concealed "
           "data</title><style>:root{color-scheme:light dark}"
           "body{font:15px/1.5 system-ui,sans-serif;max-width:66rem;margin:2rem auto;padding:0 "
           "1rem}pre{overflow-x:auto}</style>"
@@ -142,12 +143,10 @@ Result<void> write_proof(const Options& o, const std::string& text, const std::v
        << diag::svg::escaped(text)
        << "</pre><h2>Seals</h2><p>SHA-256 of case, truth and nonce, a newline between.</p><pre>";
   for (const auto& p : posed)
-    file << p.id << "  " << p.hash << "  nonce " << (p.nonce.empty() ? "none" : p.nonce) << "  "
+    page << p.id << "  " << p.hash << "  nonce " << (p.nonce.empty() ? "none" : p.nonce) << "  "
          << diag::svg::escaped(diag::to_json(p.truth).dump()) << "\n";
-  file << "</pre></html>\n";
-  file.close();
-  if (!file) return fail(ErrorKind::kCannotCreate, o.report + ": cannot be written");
-  return {};
+  page << "</pre></html>\n";
+  return io::write_text_file(o.report, page.str());
 }
 
 int prove(const Options& o) {

@@ -1,12 +1,12 @@
 /// `stillpoint simulate`: the recording a simulated sensor would give, and the truth of what was applied to it.
 #include <fmt/format.h>
 
-#include <fstream>
 #include <nlohmann/json.hpp>
 
 #include "apps/stillpoint/commands.h"
 #include "io/simulated_recording.h"
 #include "io/simulation_yaml.h"
+#include "io/text_file.h"
 #include "simulation/strength.h"
 
 namespace stillpoint::app {
@@ -89,13 +89,12 @@ int write_truth(const Options& o, const sim::SimulationConfig& config, const Sce
   truth["field_world_uT"] = array(config.field_world_uT);
   truth["bouts"] = bouts;
   truth["simulation"] = io::format_simulation(config);
-  std::ofstream file(o.truth, std::ios::binary);
-  if (file) file << truth.dump(1) << '\n' << std::flush;
-  if (!file) return report({ErrorKind::kCannotCreate, o.truth + ": cannot be written; does the folder exist?"});
-  return 0;
+  const auto written = io::write_text_file(o.truth, truth.dump(1) + "\n");
+  return written ? 0 : report(written.error());
 }
 
 int simulate(const Options& o) {
+  if (const auto writable = io::expect_writable(o.truth); !writable) return report(writable.error());
   auto config = io::read_simulation(o.simulation);
   if (!config) return report(config.error());
   if (!o.motion.empty()) config->motion.reset();
@@ -126,7 +125,7 @@ void add_simulate(CLI::App& app, Run& run) {
   command->add_option("--simulation", o.simulation, "simulation YAML")->required();
   command->add_option("--output", o.output, "recording to write (.csv)")->required();
   command->add_option("--truth", o.truth, "write what was applied, with the strength of each effect (.json)");
-  command->add_option("--seed", o.seed, "seed of all random streams; 1 unless given");
+  command->add_option("--seed", o.seed, "seed of all random streams; 1 unless given")->check(between(0.0, 9e15));
   command->add_option("--motion", o.motion, "take motion and surroundings from this recording's columns (.csv)");
   command->callback([&run] { run = [] { return simulate(o); }; });
 }

@@ -3,13 +3,13 @@
 #include <unistd.h>
 
 #include <chrono>
-#include <fstream>
 #include <thread>
 
 #include "apps/stillpoint/commands.h"
 #include "apps/stillpoint/dds_options.h"
 #include "apps/stillpoint/watch_model.h"
 #include "io/dds_subscriber.h"
+#include "io/text_file.h"
 
 namespace stillpoint::app {
 namespace {
@@ -40,18 +40,10 @@ bool wait_for(double seconds, const Condition& condition) {
 }
 
 int print(const WatchState& state, const std::string& json_path) {
-  if (json_path.empty()) {
-    std::fputs(text_view(state).c_str(), stdout);
-  } else if (json_path == "-") {
-    std::printf("%s\n", json_view(state).dump().c_str());
-  } else {
-    std::ofstream file(json_path);
-    file << json_view(state).dump(2) << '\n';
-    if (!file.flush())
-      return report({ErrorKind::kCannotCreate, json_path + ": cannot be written; does the folder exist?"});
-  }
-  std::fflush(stdout);
-  return 0;
+  const bool lines = json_path == "-";  // one state a line
+  const auto written = json_path.empty() ? io::write_text_file("-", text_view(state))
+                                         : io::write_text_file(json_path, json_view(state).dump(lines ? -1 : 2) + "\n");
+  return written ? 0 : report(written.error());
 }
 
 int watch_once(const WatchOptions& options, const WatchModel& model, const io::DdsSubscriber& subscriber) {

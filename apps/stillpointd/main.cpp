@@ -17,7 +17,8 @@ int main(int argc, char** argv) {
   cli.add_flag("--check-config", check, "say what is wrong with the configuration, and end (78 on any fault)");
   cli.add_flag("--print-config", print, "show every value, its meaning and whether it is the default, and end");
   cli.add_option("--wait-for-subscribers", options.wait_for_subscribers,
-                 "hold the first sample back until so many subscribers of the attitude are there");
+                 "hold the first sample back until so many subscribers of the attitude are there")
+      ->check(CLI::Range(0, 1000));
   try {
     cli.parse(argc, argv);
   } catch (const CLI::ParseError& e) {

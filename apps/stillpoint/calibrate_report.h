@@ -1,0 +1,39 @@
+/// What `stillpoint calibrate --recording` says: the calibration with its uncertainty, and what would have to be seen
+/// for the rest. Units as in the recording's samples: m/s^2, rad/s (deg/s in the text), uT.
+#pragma once
+#include <array>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "calib_online/window.h"
+#include "core/calibration.h"
+#include "core/units.h"
+
+namespace stillpoint::app {
+
+/// A sensor that begins to be stuck, clipped or another one.
+struct CalibrationFault {
+  double t_s;
+  const char* sensor;
+  CalibrationStatus status;
+};
+
+/// What rest detection and calibration made of a recording.
+struct CalibrationRun {
+  std::vector<calib::Window> windows;
+  std::map<std::string, double> refused_s;  ///< seconds by reason
+  CalibrationSnapshot factory, learnt;
+  std::vector<CalibrationFault> faults;       ///< where each begins
+  std::array<CalibrationStatus, 3> status{};  ///< of acc, gyr, mag now
+  double gravity_mps2 = kStandardGravity_mps2;
+  double duration_s = 0.0;
+  double middle_norm_mps2 = 0.0;  ///< median of the readings
+  bool has_mag = false;
+};
+
+[[nodiscard]] nlohmann::ordered_json to_json(const std::string& path, const CalibrationRun& run);
+void print(const std::string& path, const CalibrationRun& run);
+
+}  // namespace stillpoint::app
