@@ -155,7 +155,8 @@ int demo(const DemoOptions& options) {
   if (!subscriber) return report(subscriber.error());
   stop_on_signals();
   const auto program = program_folder() / "stillpointd";
-  auto daemon = ChildProcess::start({program, "--config", stage->config_path}, options.folder + "/stillpointd.log");
+  auto daemon = ChildProcess::start({program, "--config", stage->config_path, "--wait-for-subscribers", "1"},
+                                    options.folder + "/stillpointd.log");
   if (!daemon) return report(daemon.error());
   if (const auto r = follow(*daemon, listener, *stage, options); !r) return report(r.error());
   const AttitudeScore without = score_without_learning(stage->recording, *config);
