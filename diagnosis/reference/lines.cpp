@@ -16,6 +16,8 @@ constexpr double kLeastOverMean = 35.0;  // sum of three periodograms over their
 constexpr double kLowest_Hz = 0.5;       // slower is motion and drift
 constexpr double kOwnPhaseNats = 8.0;    // phases of their own that are worth three numbers more
 constexpr int kRefinements = 24;
+constexpr double kSameFrequency =
+    0.25;  // of a bin: nearer to half the rate the recording cannot tell a line from a flip
 
 /// Power of the three axes at each bin 0..n/2 over the background of its neighbourhood: mean 3 where there is noise.
 Series over_background(const Series3& x) {
@@ -47,9 +49,9 @@ Eigen::Matrix<double, 3, 2> amplitudes(const Series3& x, const Series& t_s, doub
   return 2.0 / static_cast<double>(x.rows()) * x.transpose() * design;
 }
 
-double refined(const Series3& x, const Series& t_s, double frequency_Hz, double bin_Hz) {
+double refined(const Series3& x, const Series& t_s, double frequency_Hz, double bin_Hz, double half_rate_Hz) {
   constexpr double kGolden = 0.6180339887498949;
-  double low = frequency_Hz - bin_Hz, high = frequency_Hz + bin_Hz;
+  double low = frequency_Hz - bin_Hz, high = std::min(frequency_Hz + bin_Hz, half_rate_Hz);
   for (int i = 0; i < kRefinements; ++i) {
     const double a = high - kGolden * (high - low), b = low + kGolden * (high - low);
     (amplitudes(x, t_s, a).squaredNorm() > amplitudes(x, t_s, b).squaredNorm() ? high : low) =
@@ -122,11 +124,12 @@ std::optional<Found> line_in(const SensorSearch& search) {
   std::nth_element(around.begin(), around.begin() + static_cast<std::ptrdiff_t>(around.size() / 2), around.end());
   if (power[at] < 0.3 * kLeastOverMean * around[around.size() / 2]) return std::nullopt;
   Found f;
-  if (at >= power.size() - 2 && left.rows() % 2 == 0) {
+  const double half_rate_Hz = 0.5 / plain.dt_s;
+  const double frequency_Hz = refined(left, search.t_s, static_cast<double>(at) * bin_Hz, bin_Hz, half_rate_Hz);
+  if (half_rate_Hz - frequency_Hz < kSameFrequency * bin_Hz) {
     if (plain.sensor != kMag) return std::nullopt;
     f = flip(plain);
   } else {
-    const double frequency_Hz = refined(left, search.t_s, static_cast<double>(at) * bin_Hz, bin_Hz);
     const auto amplitude = amplitudes(left, search.t_s, frequency_Hz);
     const Eigen::JacobiSVD<Eigen::MatrixXd> svd(amplitude);
     const double strong = svd.singularValues()[0], weak = svd.singularValues()[1];

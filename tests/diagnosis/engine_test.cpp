@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 
 #include <cmath>
+#include <set>
 
 #include "diagnosis/prove/prove.h"
 #include "diagnosis/reference/evidence.h"
@@ -73,6 +74,18 @@ TEST(Engine, LocatesAStepOfTheHardIronToTheTenthOfASecond) {
       diagnose(record(config, "mag_hard_step", {{"b_uT", {2, -1, 1.5}}, {"t0_s", {47.3}}}, 8), config);
   ASSERT_THAT(names(answer), testing::ElementsAre("mag_hard_step"));
   EXPECT_NEAR(answer.diagnosis.findings[0].interval_s[0], 47.3, 0.1);
+}
+
+/// Half the rate of sampling falls between the bins of a spectrum of an odd number of rows.
+TEST(Engine, TellsAFlipFromALineWhateverTheNumberOfRows) {
+  std::set<std::size_t> parities;
+  for (const double duration_s : {60.0, 60.02}) {
+    const auto config = baseline("exact", duration_s);
+    const io::Recording recording = record(config, "mag_flip", {{"b_uT", {1, 0.8, -0.6}}}, 9);
+    EXPECT_THAT(names(diagnose(recording, config)), testing::ElementsAre("mag_flip")) << recording.size() << " rows";
+    parities.insert(recording.size() % 2);
+  }
+  EXPECT_EQ(parities.size(), 2u);
 }
 
 /// Bias and matrix are free, so what begins late might as well have been there before with the other sign. Two sealed
