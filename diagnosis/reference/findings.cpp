@@ -8,6 +8,7 @@
 
 #include "diagnosis/reference/adequacy.h"
 #include "diagnosis/reference/curves.h"
+#include "diagnosis/reference/drift.h"
 #include "diagnosis/reference/given_effects.h"
 #include "diagnosis/reference/unrecorded.h"
 #include "simulation/effect_catalogue.h"
@@ -15,8 +16,6 @@
 namespace stillpoint::diag {
 namespace {
 
-constexpr double kDriftNats = 12.0;
-constexpr double kLeastShareOfFirst = 0.02;
 constexpr double kConfigurationP = 1e-6;
 constexpr std::size_t kMostEquivalent = 2;
 
@@ -253,14 +252,14 @@ void residual_of(const Signals& s, const SensorSearch& search, const Finished& f
 
 void report_sensor(const Signals& s, const EngineResult& engine, Sensor sensor,
                    const std::vector<sim::EffectConfig>& given, Answer& answer) {
-  const SensorSearch& search = *engine.sensor[sensor];
-  const Finished finished = finish(search);
+  SensorSearch search = *engine.sensor[sensor];
+  const Finished finished = finish_beside_drift(search);
   std::vector<Finding> findings;
   std::vector<sim::EffectConfig> effects;
   // A step that leaves drift behind, where a driver was not recorded, is more likely a piece of that driver's curve.
   // What follows the temperature beside a step of no known cause is no better: both are slow.
-  const bool drifts = finished.walk_gain_nats > std::max(kDriftNats, kLeastShareOfFirst * search.first_gain);
-  const bool slow = drifts || (holds(search, kPlainOffset) && holds(search, "_temp_"));
+  const bool drifting = drifts(search, finished);
+  const bool slow = drifting || (holds(search, kPlainOffset) && holds(search, "_temp_"));
   const bool piece = slow && locals(search) > 0 && !missing_drivers(s, sensor).empty();
   const bool switched = locals(search) >= 2 || piece;
   if (switched) findings.push_back(switching_finding(s, search, finished));
@@ -281,7 +280,7 @@ void report_sensor(const Signals& s, const EngineResult& engine, Sensor sensor,
   const std::string drift = std::string(kSensorName[sensor]) + "_drift";
   const bool known_drift = std::any_of(given.begin(), given.end(), [&](const auto& e) { return e.id == drift; });
   // What drifts beside an unknown law is what its product leaves of it.
-  if (drifts && !known_drift && !switched && !search.has_unknown()) {
+  if (drifting && !known_drift && !switched && !search.has_unknown()) {
     findings.push_back(drift_finding(s, search, finished));
     sim::EffectConfig e;
     e.id = drift;

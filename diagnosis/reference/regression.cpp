@@ -9,6 +9,8 @@ namespace {
 
 constexpr int kProfileRounds = 3;
 constexpr int kMostWalkTerms = 40;
+constexpr double kAnotherSolution = 10.0;                 // nats
+constexpr double kWeakWalk = 0.003, kStrongWalk = 300.0;  // where a walk's rate is sought, in walk_unit
 
 /// One axis, whitened, as normal equations: nuisance and columns first, the walk last, so that the model without a walk
 /// is the top left corner.
@@ -70,6 +72,11 @@ Series3 remove(const Target& t, const Columns& columns, const Eigen::VectorXd& x
   return left;
 }
 
+/// The rate of a walk that strays as far within the recording as one sample scatters.
+double walk_unit(const Target& t, const NoiseModel& noise, int axis) {
+  return noise.innovation_sd(axis) / std::sqrt(t.duration_s);
+}
+
 /// The q of one axis that makes most likely what `without`, the fit with no walk, leaves over: among a geometric grid
 /// and 0.
 double best_walk(const Target& t, const NoiseModel& noise, const AxisSystem& a, const Eigen::VectorXd& without,
@@ -77,9 +84,9 @@ double best_walk(const Target& t, const NoiseModel& noise, const AxisSystem& a, 
   const Eigen::Index K = t.walk.cols();
   const Eigen::MatrixXd G = a.gram.bottomRightCorner(K, K);
   const Eigen::VectorXd g = a.moment.tail(K) - a.gram.bottomLeftCorner(K, a.plain) * without;
-  const double unit = noise.innovation_sd(axis) / std::sqrt(t.duration_s);
+  const double unit = walk_unit(t, noise, axis);
   double best_q = 0.0, best = 0.0;
-  for (double q = 0.003 * unit; q < 300.0 * unit; q *= 2.0) {
+  for (double q = kWeakWalk * unit; q < kStrongWalk * unit; q *= 2.0) {
     const Eigen::VectorXd d = walk_deviations(t, q);
     const Eigen::MatrixXd M = Eigen::MatrixXd::Identity(K, K) + d.asDiagonal() * G * d.asDiagonal();
     const Eigen::LLT<Eigen::MatrixXd> llt(M);
@@ -226,13 +233,23 @@ Fit fit_profile(const Target& t, const Columns& columns) {
   // The start is least squares under white noise. An autoregression of the residual itself would take offset and trend
   // for memory, whiten them away, and never find back to what explains them.
   Target white = t;
-  white.walk.resize(0, 0);
   white.layout.order = 0;
-  Fit fit = fit_with(white, columns, NoiseModel(white.layout, white.residual), {});
-  for (int round = 0; round < kProfileRounds; ++round)
-    fit = fit_walking(t, columns, NoiseModel(t.layout, fit.leftover));
-  // The last likelihood belongs to the noise of the last fit but one; by now they agree to a fraction of a nat.
-  return fit;
+  const auto by_turns = [&](Fit fit) {
+    for (int round = 0; round < kProfileRounds; ++round)
+      fit = fit_walking(t, columns, NoiseModel(t.layout, fit.leftover));
+    // The last likelihood belongs to the noise of the last fit but one; by now they agree to a fraction of a nat.
+    return fit;
+  };
+  const NoiseModel level(white.layout, white.residual);
+  const Fit fit = by_turns(fit_with(white, columns, level, {}));
+  if (!any_walks(fit.walk_q)) return fit;
+  // The same holds of a strong walk: it is half taken for memory, and a law that follows it somewhat would gain by
+  // what the walk lost. So it is also started from a fit that leaves no drift over. After three rounds two starts of
+  // one solution differ by some nats either way; another solution is better by more.
+  std::array<double, 3> strong{};
+  for (int axis = 0; axis < 3; ++axis) strong[static_cast<std::size_t>(axis)] = kStrongWalk * walk_unit(t, level, axis);
+  Fit second = by_turns(fit_with(white, columns, level, strong));
+  return second.log_likelihood > fit.log_likelihood + kAnotherSolution ? second : fit;
 }
 
 }  // namespace stillpoint::diag

@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <set>
+#include <tuple>
 
 #include "diagnosis/prove/prove.h"
 #include "diagnosis/reference/evidence.h"
@@ -74,6 +75,21 @@ TEST(Engine, LocatesAStepOfTheHardIronToTheTenthOfASecond) {
       diagnose(record(config, "mag_hard_step", {{"b_uT", {2, -1, 1.5}}, {"t0_s", {47.3}}}, 8), config);
   ASSERT_THAT(names(answer), testing::ElementsAre("mag_hard_step"));
   EXPECT_NEAR(answer.diagnosis.findings[0].interval_s[0], 47.3, 0.1);
+}
+
+/// A warm-up resembles many a drift. A walk may not be half taken for memory of the noise, or the temperature is
+/// blamed.
+TEST(Engine, DoesNotBlameAStrongWalkOnTheTemperature) {
+  const auto config = baseline("exact");
+  auto walking = config;
+  for (const auto& [id, key, q] : {std::tuple{"acc_drift", "q_mps2_per_sqrts", 0.005},
+                                   {"gyr_drift", "q_radps_per_sqrts", 1.6e-4},
+                                   {"mag_drift", "q_uT_per_sqrts", 0.1}})
+    walking.effects.push_back({.id = id, .parameters = {{key, {q, q, q}}}, .axes = {}, .window_s = {}});
+  for (const std::uint64_t seed : {6, 16})
+    EXPECT_THAT(names(diagnose(record(walking, "", {}, seed), config)),
+                testing::UnorderedElementsAre("acc_drift", "gyr_drift", "mag_drift"))
+        << "seed " << seed;
 }
 
 /// Half the rate of sampling falls between the bins of a spectrum of an odd number of rows.
