@@ -19,13 +19,15 @@ int report(const Error& error) {
   return static_cast<int>(error.kind);
 }
 
-/// SIGTERM and SIGINT are taken here, by the main thread; every thread made later inherits that they are blocked.
+/// SIGTERM, SIGINT and SIGHUP are taken here, by the main thread; every thread made later inherits that they are
+/// blocked.
 class Signals {
  public:
   Signals() {
     sigemptyset(&set_);
     sigaddset(&set_, SIGTERM);
     sigaddset(&set_, SIGINT);
+    sigaddset(&set_, SIGHUP);  // its terminal is gone
     pthread_sigmask(SIG_BLOCK, &set_, nullptr);
     signal(SIGPIPE, SIG_IGN);
     signal(SIGXFSZ, SIG_IGN);  // a file that may not grow is an error of its write, not the end

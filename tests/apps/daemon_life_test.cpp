@@ -26,7 +26,7 @@ bool wait_for_text(const std::string& file, const std::string& text) {
   return false;
 }
 
-TEST(Daemon, EndsCleanlyOnSigtermAndStartsAgainWithWhatItLearnt) {
+TEST(Daemon, EndsCleanlyWhenAskedAndStartsAgainWithWhatItLearnt) {
   const ScratchFolder scratch;
   write_file(scratch / "d.yaml", simulated(scratch, "20"));
   Process daemon({"/bin/sh", "-c", start_line(scratch, "1.log")});
@@ -35,10 +35,12 @@ TEST(Daemon, EndsCleanlyOnSigtermAndStartsAgainWithWhatItLearnt) {
   EXPECT_EQ(daemon.wait(), 0);
   EXPECT_NE(read_file(scratch / "1.log").find("ended: samples="), std::string::npos);
 
-  Process again({"/bin/sh", "-c", start_line(scratch, "2.log")});
-  ASSERT_TRUE(wait_for_text(scratch / "2.log", "state/test.state")) << read_file(scratch / "2.log");
-  again.send(SIGINT);
-  EXPECT_EQ(again.wait(), 0);
+  for (const auto& [signal, log] : {std::pair{SIGINT, "2.log"}, std::pair{SIGHUP, "3.log"}}) {
+    Process again({"/bin/sh", "-c", start_line(scratch, log)});
+    ASSERT_TRUE(wait_for_text(scratch / log, "state/test.state")) << read_file(scratch / log);
+    again.send(signal);
+    EXPECT_EQ(again.wait(), 0) << strsignal(signal);
+  }
 }
 
 TEST(Daemon, KilledWithoutWarningLeavesAWholeStateFile) {
