@@ -77,7 +77,7 @@ std::string outcome_of(const std::vector<Stated>& said, const Json& answer, cons
 }
 
 /// Compares each true number with the interval stated for it: "k" with "k_x" ..., "G" with "G_xx" ....
-void score_intervals(const Json& finding, const std::map<std::string, std::vector<double>>& truth, CaseScore& score) {
+void score_intervals(const Json& finding, const std::map<std::string, std::vector<double>>& truth, Coverage& score) {
   static const char* kAxes = "xyz";
   std::map<std::string, std::array<double, 2>> interval;
   for (const auto& p : finding.value("parameters", Json::array()))
@@ -90,8 +90,8 @@ void score_intervals(const Json& finding, const std::map<std::string, std::vecto
       if (values.size() == 9) name += fmt::format("_{}{}", kAxes[i / 3], kAxes[i % 3]);
       const auto at = interval.find(name);
       if (at == interval.end()) continue;
-      ++score.intervals;
-      score.covered += at->second[0] <= values[i] && values[i] <= at->second[1];
+      ++score.stated;
+      score.inside += at->second[0] <= values[i] && values[i] <= at->second[1];
     }
   }
 }
@@ -161,7 +161,7 @@ CaseScore score_case(const std::string& id, const CaseTruth& truth, const Json& 
   for (std::size_t i = 0; i < said.size(); ++i) {
     const auto at = truth.effects.find(said[i].effect);
     if (at == truth.effects.end()) continue;
-    score_intervals(findings[i], at->second, score);
+    score_intervals(findings[i], at->second, score.coverage[at->first]);
     const auto& h = findings[i].value("held_out", Json::object());
     const double before = h.value("rms_before", 0.0), after = h.value("rms_after", 0.0),
                  floor = h.value("noise_floor", 0.0);

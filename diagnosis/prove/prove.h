@@ -55,17 +55,22 @@ void act_on_axes(std::map<std::string, std::vector<double>>& parameters, const s
 /// A weak effect alone, of a size about the detection limit, for limit_tables().
 [[nodiscard]] SealedCase draw_limit_case(const std::string& salt, std::size_t index, bool quick);
 
+/// True numbers of one effect: how many lie inside their stated 95 % interval.
+struct Coverage {
+  std::size_t inside = 0, stated = 0;
+};
+
 /// How one answer (stillpoint.diagnosis/1; null: the solver failed) stands against the truth.
 struct CaseScore {
   std::string id;
   CaseTruth truth;
   std::string outcome;  ///< right, family, unknown, config, missed, wrong, failed
   std::vector<std::string> said;
-  int untrue = 0;        ///< findings whose name is not true
-  bool both = false;     ///< of a pair: both named
-  double overlap = 0.0;  ///< of the first finding's interval with the window
-  int covered = 0, intervals = 0;
-  std::optional<double> removed;  ///< share of the removable error, on held-out data
+  int untrue = 0;                            ///< findings whose name is not true
+  bool both = false;                         ///< of a pair: both named
+  double overlap = 0.0;                      ///< of the first finding's interval with the window
+  std::map<std::string, Coverage> coverage;  ///< by effect
+  std::optional<double> removed;             ///< share of the removable error, on held-out data
 };
 [[nodiscard]] CaseScore score_case(const std::string& id, const CaseTruth& truth, const nlohmann::json& answer);
 

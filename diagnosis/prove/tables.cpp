@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <map>
 #include <set>
 
 #include "diagnosis/prove/prove.h"
@@ -161,13 +162,15 @@ std::string misses(const Scores& scores) {
 }
 
 struct Sums {
-  std::size_t covered = 0, intervals = 0;
+  Rate coverage;
+  std::map<std::string, Rate> coverage_by_effect;
   std::vector<double> removed, overlap;
 };
 Sums sums(const Scores& scores) {
   Sums s;
   for (const auto& c : scores) {
-    s.covered += static_cast<std::size_t>(c.covered), s.intervals += static_cast<std::size_t>(c.intervals);
+    for (const auto& [effect, here] : c.coverage)
+      for (Rate* r : {&s.coverage, &s.coverage_by_effect[effect]}) r->hits += here.inside, r->n += here.stated;
     if (c.removed) s.removed.push_back(*c.removed);
     if (c.truth.kind == "window" && c.outcome == "right") s.overlap.push_back(c.overlap);
   }
@@ -181,7 +184,7 @@ std::string tables(const Scores& scores) {
       fmt::format("{} cases, none dropped; intervals are 95 % (Wilson)\n\n", scores.size()) + outcomes(scores) + "\n";
   for (const auto& line : rates(scores)) text += fmt::format("{:46} {}\n", line.what, in_words(line.rate));
   const Sums s = sums(scores);
-  text += fmt::format("{:46} {}\n", "true numbers inside their 95 % interval", in_words({s.covered, s.intervals}));
+  text += fmt::format("{:46} {}\n", "true numbers inside their 95 % interval", in_words(s.coverage));
   if (!s.removed.empty())
     text += fmt::format("{:46} median {:.1f} %, least {:.1f} % ({} findings)\n", "removable error removed, held out",
                         100 * median(s.removed), 100 * *std::min_element(s.removed.begin(), s.removed.end()),
@@ -192,6 +195,9 @@ std::string tables(const Scores& scores) {
   text += "\nFalse alarms by noise and reference\n" + by_noise(scores);
   text += "\nOne effect named right, by size (d': norm of the effect over the noise, H and B projected out)\n" +
           by_strength(scores);
+  text += "\nTrue numbers inside their 95 % interval, by effect\n";
+  for (const auto& [effect, coverage] : s.coverage_by_effect)
+    if (coverage.n > 0) text += fmt::format("  {:16} {}\n", effect, in_words(coverage));
   text += "\nConfusion (true -> first finding, where it was not right)\n" + confusion(scores);
   text += "\nEvery case with an untrue name, a false alarm or a miss\n" + misses(scores);
   return text;
@@ -203,7 +209,8 @@ nlohmann::json summary(const Scores& scores) {
     j["rates"][line.what] = {
         {"hits", line.rate.hits}, {"n", line.rate.n}, {"ci95", wilson95(line.rate.hits, line.rate.n)}};
   const Sums s = sums(scores);
-  j["rates"]["coverage"] = {{"hits", s.covered}, {"n", s.intervals}, {"ci95", wilson95(s.covered, s.intervals)}};
+  j["rates"]["coverage"] = {
+      {"hits", s.coverage.hits}, {"n", s.coverage.n}, {"ci95", wilson95(s.coverage.hits, s.coverage.n)}};
   return j;
 }
 

@@ -98,16 +98,34 @@ Window one_edge_if_enough(const Target& target, const Columns& explained, const 
   return best;
 }
 
+/// A window that its evidence makes too short, held to the shortest that is believed: one edge stays where the evidence
+/// has it, whichever explains more. Where its driver is zero beyond the other edge, that one is not seen anyway.
+Window held_to(Eigen::Index shortest, const Target& target, const Columns& explained, const Columns& everywhere,
+               const Window& tight, const NoiseModel& noise) {
+  const Eigen::Index n = target.layout.n;
+  Window from = tight, until = tight;
+  from.end = std::min(tight.begin + shortest, n);
+  until.begin = std::max<Eigen::Index>(tight.end - shortest, 0);
+  const auto likelihood = [&](const Window& w) {
+    return fit_with(target, joined(explained, in_window(everywhere, w)), noise, {}).log_likelihood;
+  };
+  return likelihood(from) >= likelihood(until) ? from : until;
+}
+
 }  // namespace
 
 Window refine_window(const Target& target, const Columns& explained, const Law& law, const Candidate& c,
                      const NoiseModel& noise) {
   const Columns everywhere = law.columns(c.shape);
+  const auto shortest = static_cast<Eigen::Index>(shortest_s(law.extent) / target.dt_s);
   Window window = c.window;
   for (int step = 0; step < kEdgeSteps; ++step) {
     const Window moved = moved_edges(target, explained, everywhere, window, noise);
     if (moved.begin == window.begin && moved.end == window.end) break;
-    if (static_cast<double>(moved.end - moved.begin) * target.dt_s < shortest_s(law.extent)) break;
+    if (moved.end - moved.begin < shortest) {
+      window = held_to(shortest, target, explained, everywhere, moved, noise);
+      break;
+    }
     window = moved;
   }
   if (law.extent != Extent::kStep) return window;

@@ -2,12 +2,15 @@
 // and size.
 #include <gmock/gmock.h>
 
+#include <algorithm>
 #include <cmath>
+#include <random>
 #include <set>
 #include <tuple>
 
 #include "diagnosis/prove/prove.h"
 #include "diagnosis/reference/evidence.h"
+#include "diagnosis/reference/refine.h"
 #include "diagnosis/reference/response.h"
 #include "diagnosis/summary.h"
 #include "tests/diagnosis/simulated.h"
@@ -56,6 +59,35 @@ TEST_P(BothReferences, NamesTheCurrentAndHoldsItsSizeInTheInterval) {
   const Parameter& k = answer.diagnosis.findings[0].parameters[0];
   EXPECT_NEAR(k.value, 0.8, 3.0 * (k.ci95[1] - k.ci95[0]));
   EXPECT_LT(k.ci95[1] - k.ci95[0], 0.1);
+}
+
+/// Where the current falls to zero nobody sees whether its window goes on; the edge that is seen has to be found, and
+/// the other one not to come closer than windows are believed.
+TEST(Engine, AWindowThatIsSeenForTooShortIsHeldToTheShortestFromTheEdgeThatIsSeen) {
+  auto config = baseline("exact", 60.0);
+  config.environment.current.kind = "steps";
+  auto recording = record(config, "", {}, 7);
+  constexpr std::size_t kBegin = 1012, kOff = 1200;
+  std::mt19937_64 random(7);
+  std::normal_distribution<double> noise(0.0, 0.02);
+  for (std::size_t i = 0; i < recording.size(); ++i) {
+    const double current_A = i < kBegin || i > 2000 ? 1.0 : i < kOff ? 1.6 : 0.0;
+    recording.current_A[i] = current_A + noise(random);
+    if (i >= kBegin && i < kOff) recording.mag_uT[i] += current_A * Vec3(1.2, -0.9, 0.6);
+  }
+  const auto signals = make_signals(recording, config, {});
+  ASSERT_TRUE(signals);
+  const Target target = make_target(*signals, kMag);
+  const auto laws = make_laws(*signals, kMag);
+  const auto law = std::find_if(laws.begin(), laws.end(), [](const Law& l) { return l.id == "mag_current"; });
+  ASSERT_NE(law, laws.end());
+  Candidate rough;
+  rough.window = {true, 1000, 1275};
+  const NoiseModel noise_beside(target.layout,
+                                fit_profile(target, in_window(law->columns(0.0), rough.window)).leftover);
+  const Window refined = refine_window(target, {}, *law, rough, noise_beside);
+  EXPECT_NEAR(static_cast<double>(refined.begin), static_cast<double>(kBegin), 2.0);
+  EXPECT_EQ(refined.end - refined.begin, static_cast<Eigen::Index>(shortest_s(law->extent) / signals->dt_s));
 }
 
 TEST(Engine, FindsNothingMoreOnceTheFindingIsInTheSimulation) {

@@ -58,8 +58,9 @@ TEST(Prove, ChecksTrueNumbersAgainstTheirIntervals) {
   a["findings"][0]["parameters"] = {{{"name", "k_x"}, {"value", 1.1}, {"ci95", {0.9, 1.3}}, {"unit", "1"}},
                                     {{"name", "k_y"}, {"value", 5.0}, {"ci95", {4.0, 6.0}}, {"unit", "1"}}};
   const auto s = score_case("1", truth("single", {"acc_quad"}), a);
-  EXPECT_EQ(s.intervals, 2);
-  EXPECT_EQ(s.covered, 1);
+  EXPECT_EQ(s.coverage.at("acc_quad").stated, 2U);
+  EXPECT_EQ(s.coverage.at("acc_quad").inside, 1U);
+  EXPECT_THAT(tables({s}), testing::ContainsRegex("by effect\n  acc_quad +1 of +2"));
 }
 
 TEST(Prove, SealsChangeWithTruthAndNonce) {
