@@ -72,7 +72,7 @@ def measure(build, rate_hz, seconds):
         (folder / "daemon.yaml").write_text(
             "source: {kind: simulation, file: sensor.yaml, speed: 1, at_end: stop}\n"
             f"sensor: {{id: footprint}}\ndds: {{domain: {domain}}}\n")
-        watch = subprocess.Popen([build / "stillpoint", "watch", "--domain", domain, "--once", "--seconds", "0.001",
+        watch = subprocess.Popen([build / "stillpoint", "watch", "--domain", domain, "--once", "--seconds", "0.01",
                                   "--json", "-"], stdout=subprocess.DEVNULL)
         time.sleep(0.5)
         start = time.monotonic()

@@ -15,7 +15,7 @@ struct ThreadParams {
   int fifo_priority = 0;
   bool lock_memory = false;
   double calibration_poll_s = 0.002;
-  double rehearse_ahead_s = 40e-6;
+  double rehearse_ahead_s = 60e-6;
 
   static constexpr auto fields() {
     using P = ThreadParams;

@@ -21,6 +21,7 @@ class ArrivalForecast {
     if (last_ns_ != 0) step_ns_ = std::min(t_ns - last_ns_, step_ns_ + step_ns_ / 256 + 1);
     last_ns_ = t_ns;
   }
+  [[nodiscard]] std::int64_t step_ns() const noexcept { return step_ns_; }
   /// None before the second arrival, after arrivals that did not follow one another, and when samples come so rarely
   /// (below 10 Hz) that a request to stop would wait for it.
   [[nodiscard]] std::optional<std::int64_t> next_ns() const noexcept {
@@ -46,7 +47,7 @@ class Rehearsal {
     if (ahead_ns_ == 0) return;
     forecast_.arrived(arrival_ns);
     const auto next_ns = forecast_.next_ns();
-    if (!next_ns || *next_ns - ahead_ns_ <= monotonic_ns()) return;
+    if (!next_ns || forecast_.step_ns() < kWorth * ahead_ns_ || *next_ns - ahead_ns_ <= monotonic_ns()) return;
     sleep_until_ns(*next_ns - ahead_ns_);
     RawSample expected = last;
     expected.t_ns += static_cast<std::int64_t>(1e9 * stages.guard().usual_step_s());
@@ -60,6 +61,10 @@ class Rehearsal {
   [[nodiscard]] std::uint64_t count() const noexcept { return count_; }
 
  private:
+  /// A processor that sleeps for less than this many leads stays warm enough; waking it twice would only add to the
+  /// tail.
+  static constexpr std::int64_t kWorth = 10;
+
   /// What a rehearsal finds is nobody's evidence.
   struct NoLink {
     bool submit(const Evidence&) noexcept { return false; }

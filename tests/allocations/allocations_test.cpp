@@ -51,7 +51,7 @@ TEST(Allocations, ARehearsalMakesNone) {
   DirectLink link(calibrator);
   Stages stages(StagesParams{}, calibrator.snapshot());
   Processed processed;
-  Rehearsal rehearsal(stages, 200e-6);
+  Rehearsal rehearsal(stages, 90e-6);
   const std::int64_t start_ns = monotonic_ns();
   const std::size_t before = bench::allocations();
   for (std::size_t i = 0; i < 100; ++i) {

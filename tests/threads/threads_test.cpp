@@ -93,7 +93,7 @@ TEST(Threads, GiveTheSameBitsAsOneThreadHoweverSlowTheCalibrationIs) {
 TEST(Rehearsal, ChangesNothingOfWhatIsPublished) {
   const auto samples = test::hand_samples(40.0);
   Watch watch;
-  const auto got = in_two_threads(samples, watch, 1e-4, 20.0, 150e-6);
+  const auto got = in_two_threads(samples, watch, 1e-4, 10.0, 90e-6);
   EXPECT_GT(got.rehearsals, 100U) << "hardly ever rehearsed: the test would prove nothing";
   expect_the_same_bits(got.messages, offline(samples));
 }
