@@ -66,7 +66,7 @@ std::vector<std::size_t> gross_outliers(std::span<const Vec3> readings, double t
   Sphere best;
   double least = std::numeric_limits<double>::infinity();
   for (int k = 0; k < kSpheres; ++k) {
-    const Vec3 a = readings[picks.next()], b = readings[picks.next()], c = readings[picks.next()];
+    const Vec3 &a = readings[picks.next()], &b = readings[picks.next()], &c = readings[picks.next()];
     const auto sphere = through(a, b, c, readings[picks.next()]);
     if (!sphere) continue;
     const double left = median(distances(*sphere, readings));

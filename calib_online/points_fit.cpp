@@ -114,7 +114,8 @@ PointsFit from_iterated(const Working& w, const IteratedFit& i) {
 
 /// The methods that have neither a prior nor a second step cannot make six numbers out of five readings.
 PointsFit enough_readings(const Working& w, PointsFit fit) {
-  return w.x.size() < 6 ? failed(FitStatus::kTooFewPoints, "a centre and three radii need at least 6 readings") : fit;
+  if (w.x.size() < 6) return failed(FitStatus::kTooFewPoints, "a centre and three radii need at least 6 readings");
+  return fit;
 }
 
 PointsFit from_general(const Working& w, const GeneralFit& g) {
