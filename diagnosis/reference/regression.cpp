@@ -241,7 +241,7 @@ Fit fit_profile(const Target& t, const Columns& columns) {
     return fit;
   };
   const NoiseModel level(white.layout, white.residual);
-  const Fit fit = by_turns(fit_with(white, columns, level, {}));
+  Fit fit = by_turns(fit_with(white, columns, level, {}));
   if (!any_walks(fit.walk_q)) return fit;
   // The same holds of a strong walk: it is half taken for memory, and a law that follows it somewhat would gain by
   // what the walk lost. So it is also started from a fit that leaves no drift over. After three rounds two starts of
