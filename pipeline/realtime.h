@@ -15,7 +15,7 @@ struct ThreadParams {
   int fifo_priority = 0;
   bool lock_memory = false;
   double calibration_poll_s = 0.002;
-  double rehearse_ahead_s = 60e-6;
+  double rehearse_ahead_s = 120e-6;
 
   static constexpr auto fields() {
     using P = ThreadParams;
@@ -28,7 +28,7 @@ struct ThreadParams {
         field("calibration_poll_s", &P::calibration_poll_s, in_range(1e-4, 0.1),
               "the calibration thread looks at its rings this often; the sensor thread never wakes it"),
         field("rehearse_ahead_s", &P::rehearse_ahead_s, in_range(0.0, 1e-3),
-              "the sensor thread wakes this long before a sample and warms its caches; 0: never")};
+              "from this long before a sample the sensor thread wakes and warms its caches; 0: never")};
   }
 };
 

@@ -12,26 +12,36 @@
 
 namespace stillpoint::pipeline {
 
-/// When the next sample may be expected, from the arrivals so far: soon after the shortest step of late. A step that is
-/// longer once (lost samples) raises it by 1/256 only, as a rehearsal that comes too late would delay a sample and one
-/// that comes too early only warms less.
+/// When the next sample may be expected, from the arrivals so far: their earliest course, as a thread wakes late but
+/// never early.
 class ArrivalForecast {
  public:
   void arrived(std::int64_t t_ns) noexcept {
-    if (last_ns_ != 0) step_ns_ = std::min(t_ns - last_ns_, step_ns_ + step_ns_ / 256 + 1);
+    if (last_ns_ != 0) step_ns_ = usual(t_ns - last_ns_);
     last_ns_ = t_ns;
+    const std::int64_t late_ns = t_ns - next_ns_;
+    next_ns_ = (late_ns > 0 && late_ns < step_ns_ / 2 ? next_ns_ + late_ns / 16 : t_ns) + step_ns_;
   }
   [[nodiscard]] std::int64_t step_ns() const noexcept { return step_ns_; }
   /// None before the second arrival, after arrivals that did not follow one another, and when samples come so rarely
   /// (below 10 Hz) that a request to stop would wait for it.
   [[nodiscard]] std::optional<std::int64_t> next_ns() const noexcept {
     if (step_ns_ <= 0 || step_ns_ > kLongest_ns) return std::nullopt;
-    return last_ns_ + step_ns_;
+    return next_ns_;
   }
 
  private:
   static constexpr std::int64_t kLongest_ns = 100'000'000;
+
+  /// A rehearsal that comes too late would delay a sample, one that comes too early only warms less. So a step that is
+  /// longer once (lost samples) counts little, a much shorter one at once.
+  [[nodiscard]] std::int64_t usual(std::int64_t step_ns) const noexcept {
+    if (step_ns < step_ns_ - step_ns_ / 4) return step_ns;
+    return step_ns_ + std::min((step_ns - step_ns_) / 16, step_ns_ / 256 + 1);
+  }
+
   std::int64_t last_ns_ = 0;
+  std::int64_t next_ns_ = 0;
   std::int64_t step_ns_ = 2 * kLongest_ns;
 };
 
@@ -41,29 +51,35 @@ class Rehearsal {
   Rehearsal(const Stages& stages, double ahead_s) noexcept
       : copy_(stages), ahead_ns_(static_cast<std::int64_t>(1e9 * ahead_s)) {}
 
-  /// After a sample is dealt with. Sleeps until shortly before the next one and returns then; at once when that time
-  /// has passed.
+  /// After a sample is dealt with. Sleeps in steps until shortly before the next one, with a run after each, and
+  /// returns then; at once when that time has passed.
   void before_next(const Stages& stages, const RawSample& last, std::int64_t arrival_ns) noexcept {
     if (ahead_ns_ == 0) return;
     forecast_.arrived(arrival_ns);
     const auto next_ns = forecast_.next_ns();
-    if (!next_ns || forecast_.step_ns() < kWorth * ahead_ns_ || *next_ns - ahead_ns_ <= monotonic_ns()) return;
-    sleep_until_ns(*next_ns - ahead_ns_);
+    if (!next_ns || forecast_.step_ns() < kWorth * ahead_ns_) return;
     RawSample expected = last;
     expected.t_ns += static_cast<std::int64_t>(1e9 * stages.guard().usual_step_s());
     ++expected.sequence;
-    copy_ = stages;
-    NoLink link;
-    copy_.process(expected, processed_, link);
-    ++count_;
+    for (std::int64_t step = kSteps; step > 0; --step) {
+      const std::int64_t wake_ns = *next_ns - ahead_ns_ * step / kSteps;
+      if (wake_ns <= monotonic_ns()) continue;
+      sleep_until_ns(wake_ns);
+      copy_ = stages;
+      NoLink link;
+      copy_.process(expected, processed_, link);
+      ++count_;
+    }
   }
 
   [[nodiscard]] std::uint64_t count() const noexcept { return count_; }
 
  private:
-  /// A processor that sleeps for less than this many leads stays warm enough; waking it twice would only add to the
-  /// tail.
-  static constexpr std::int64_t kWorth = 10;
+  /// A processor that sleeps for less than this many leads stays warm enough; waking it more often would only add to
+  /// the tail.
+  static constexpr std::int64_t kWorth = 8;
+  /// The shorter the last sleep, the less is lost in it; but a sleep that follows a long one wakes late.
+  static constexpr std::int64_t kSteps = 3;
 
   /// What a rehearsal finds is nobody's evidence.
   struct NoLink {
