@@ -11,6 +11,7 @@ import json
 import os
 import pathlib
 import re
+import socket
 import subprocess
 import sys
 import tempfile
@@ -40,6 +41,18 @@ def processor_s(pid):
     return used
 
 
+def unused_domain():
+    """A DDS domain in which nobody of this machine listens on the discovery port."""
+    for domain in range(1, 101):
+        with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
+            try:
+                probe.bind(("", 7400 + 250 * domain))
+                return str(domain)
+            except OSError:
+                continue
+    sys.exit("footprint: the DDS domains 1 to 100 are all in use on this machine")
+
+
 class Listener:
     """`stillpoint watch` on the daemon, from the first attitude to the end."""
 
@@ -65,7 +78,7 @@ def stripped_size(program):
 
 
 def measure(build, rate_hz, seconds):
-    domain = str(1 + os.getpid() % 100)
+    domain = unused_domain()
     with tempfile.TemporaryDirectory() as folder:
         folder = pathlib.Path(folder)
         write_sensor(folder / "sensor.yaml", rate_hz, seconds + 10)

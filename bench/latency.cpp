@@ -12,6 +12,7 @@
 #include <thread>
 
 #include "bench/latency_report.h"
+#include "io/dds_domain.h"
 
 namespace stillpoint::bench {
 namespace {
@@ -125,7 +126,7 @@ int run(const Options& options) {
   const int cores = static_cast<int>(std::thread::hardware_concurrency());
   const bool fifo = options.fifo_priority > 0 && fifo_permitted(options.fifo_priority);
   CellSetup setup;
-  setup.domain = 1 + static_cast<int>(getpid() % 100);
+  setup.domain = io::own_domain();
   setup.fifo_priority = fifo ? options.fifo_priority : 0;
   if (cores >= 2) {
     setup.send_core = 0;

@@ -1,8 +1,8 @@
 #include "apps/stillpoint/demo_stage.h"
 
 #include <fmt/format.h>
-#include <unistd.h>
 
+#include "io/dds_domain.h"
 #include "io/simulated_recording.h"
 #include "io/simulation_yaml.h"
 #include "io/text_file.h"
@@ -10,10 +10,6 @@
 
 namespace stillpoint::app {
 namespace {
-
-/// A domain of its own, so that no other daemon of this machine is seen: 1 to 100, as the ports of higher ones may be
-/// taken by any connection.
-int own_domain() { return 1 + static_cast<int>(getpid() % 100); }
 
 /// The configurations of the installation that this program belongs to, else of the source it was built from.
 std::filesystem::path configs_folder() {
@@ -36,7 +32,7 @@ Result<DemoStage> prepare_stage(const DemoOptions& options) {
   stage.recording = io::to_recording(sim::simulate(*simulation, static_cast<std::uint64_t>(options.seed)));
   stage.recording.header["source"] = "stillpoint demo";
   stage.duration_s = stage.recording.t_s(stage.recording.size() - 1) - stage.recording.t_s(0);
-  stage.dds.domain = options.domain >= 0 ? options.domain : own_domain();
+  stage.dds.domain = options.domain >= 0 ? options.domain : io::own_domain();
   stage.config_path = options.folder + "/stillpointd.yaml";
   const std::string config = fmt::format(
       "# The demo's daemon: replays the recording beside it at {:.3g} times real time, knowing nothing of the sensor.\n"

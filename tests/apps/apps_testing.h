@@ -10,8 +10,8 @@
 #include <string>
 #include <vector>
 
+#include "io/dds_domain.h"
 #include "tests/dds/process.h"
-#include "tests/own_domain.h"
 
 namespace stillpoint::test {
 

@@ -16,7 +16,7 @@ class DaemonFaults : public testing::Test {
   void configure(const std::string& extra = {}, const std::string& speed = "50") {
     write_file(scratch_ / "d.yaml", "source: {kind: simulation, file: " + configs("sim_handheld.yaml") + ", speed: " +
                                         speed + "}\nsensor: {id: test}\nstate: {directory: " + (scratch_ / "state") +
-                                        ", save_period_s: 0.1}\ndds: {domain: " + std::to_string(own_domain()) +
+                                        ", save_period_s: 0.1}\ndds: {domain: " + std::to_string(io::own_domain()) +
                                         ", ros2: false, raw_topic: \"\"}\n" + extra);
   }
   /// `before` stands before the program in the shell's line.
@@ -154,7 +154,7 @@ TEST_F(DaemonFaults, ARecordingComesThroughAPipeAndMayVanishWhileItIsReplayed) {
       "time_s,acc_x_mps2,acc_y_mps2,acc_z_mps2\n0,0,0,9.8\n0.01,0,0,9.8\n0.02,0,0,9.8\n1.5,0,0,9.8\n";
   write_file(scratch_ / "r.csv", rows);
   write_file(scratch_ / "d.yaml",
-             "source: {kind: recording, file: pipe}\ndds: {domain: " + std::to_string(own_domain()) + "}\n");
+             "source: {kind: recording, file: pipe}\ndds: {domain: " + std::to_string(io::own_domain()) + "}\n");
   auto daemon = start("cd " + (scratch_ / "") + "; mkfifo pipe; cat r.csv > pipe &");
   EXPECT_TRUE(says("source ")) << log();
   fs::remove(scratch_ / "r.csv");

@@ -11,7 +11,8 @@ using ::testing::Test;
 std::string simulated(const ScratchFolder& scratch, const std::string& speed) {
   return "source: {kind: simulation, file: " + configs("sim_handheld.yaml") + ", speed: " + speed +
          "}\nsensor: {id: test}\nstate: {directory: " + (scratch / "state") +
-         ", save_period_s: 0.1}\ndds: {domain: " + std::to_string(own_domain()) + ", ros2: false, raw_topic: \"\"}\n";
+         ", save_period_s: 0.1}\ndds: {domain: " + std::to_string(io::own_domain()) +
+         ", ros2: false, raw_topic: \"\"}\n";
 }
 
 std::string start_line(const ScratchFolder& scratch, const std::string& log) {
@@ -88,7 +89,7 @@ TEST(Daemon, AfterTheEndOfItsSourceReportsStaleAndWaitsWhereToldTo) {
   const ScratchFolder scratch;
   write_file(scratch / "r.csv", "time_s,acc_x_mps2,acc_y_mps2,acc_z_mps2\n0,0,0,9.8\n0.01,0,0,9.8\n0.02,0,0,9.8\n");
   write_file(scratch / "d.yaml", "source: {kind: recording, file: r.csv, at_end: wait}\ndds: {domain: " +
-                                     std::to_string(own_domain()) + "}\n");
+                                     std::to_string(io::own_domain()) + "}\n");
   Process daemon({"/bin/sh", "-c", start_line(scratch, "log")});
   EXPECT_TRUE(wait_for_text(scratch / "log", "STALE: the source has ended")) << read_file(scratch / "log");
   daemon.send(SIGTERM);

@@ -12,7 +12,7 @@ class DaemonThreads : public testing::TestWithParam<const char*> {};
 
 TEST_P(DaemonThreads, RunWithoutARaceWhileSubscribersComeAndGo) {
   const std::string transport = GetParam();
-  const std::string domain = std::to_string(own_domain());
+  const std::string domain = std::to_string(io::own_domain());
   const ScratchFolder scratch;
   write_file(scratch / "d.yaml", "source: {kind: simulation, file: " + configs("sim_handheld.yaml") +
                                      ", speed: 10}\nsensor: {id: test}\nstate: {directory: " + (scratch / "state") +

@@ -12,15 +12,15 @@
 #include <vector>
 
 #include "core/attitude_message.h"
+#include "io/dds_domain.h"
 #include "io/dds_params.h"
-#include "tests/own_domain.h"
 
 namespace stillpoint::test {
 
 /// In a domain of its own, so that parallel runs do not meet.
 inline io::DdsParams test_params(const char* transport = "udp") {
   io::DdsParams params;
-  params.domain = own_domain();
+  params.domain = io::own_domain();
   params.transport = transport;
   return params;
 }
