@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "diagnosis/reference/columns.h"
 #include "diagnosis/reference/response.h"
 
 namespace stillpoint::diag {
@@ -12,12 +13,6 @@ constexpr int kGaussNewtonSteps = 6;
 constexpr double kLikeness_s = 0.04;
 constexpr std::size_t kStartsRefined = 2;
 
-Series3 quiet_at_rest(const Signals& s, Series3 x) {
-  for (Eigen::Index i = 0; i < s.n; ++i)
-    if (s.rest[static_cast<std::size_t>(i)]) x.row(i).setZero();
-  return x;
-}
-
 /// What a sensor with this response shows beyond the truth. When the truth is the sensor itself (a noisy reference),
 /// the response is undone instead: u - u / h.
 Series3 beyond_truth(const Signals& s, Sensor k, const Response& h) {
@@ -25,7 +20,7 @@ Series3 beyond_truth(const Signals& s, Sensor k, const Response& h) {
   const Response low = low_pass(0.33 / s.dt_s);  // zero at Nyquist, where the inverse of a response is lost
   const Response gain = from_truth ? Response([h](double f) { return h(f) - 1.0; })
                                    : Response([h, low](double f) { return (1.0 - 1.0 / h(f)) * low(f); });
-  return quiet_at_rest(s, apply_response(s.vector[k], s.dt_s, gain));
+  return at_rest_zero(s, apply_response(s.vector[k], s.dt_s, gain));
 }
 
 /// x at other times, in samples, by Lagrange's polynomial through six neighbours; beyond the ends the end value.
@@ -55,7 +50,7 @@ Series3 skewed(const Signals& s, Sensor k, double epsilon) {
   const double rate = from_truth ? 1.0 + epsilon : 1.0 / (1.0 + epsilon);
   const Series at = rate * Series::LinSpaced(s.n, 0.0, static_cast<double>(s.n - 1));
   const Series3 moved = resampled(s.vector[k], at);
-  return quiet_at_rest(s, from_truth ? Series3(moved - s.vector[k]) : Series3(s.vector[k] - moved));
+  return at_rest_zero(s, from_truth ? Series3(moved - s.vector[k]) : Series3(s.vector[k] - moved));
 }
 
 TimingLaw one_number(std::string id, std::string name, std::string unit, std::string equation, std::string driver,
