@@ -196,7 +196,6 @@ void heat_of(const Signals& s, const SensorSearch& search, Diagnosis& out) {
   Target t = search.target;
   for (const Found& f : search.found)
     if (f.offset.size()) t.residual += f.offset;
-  t.walk.resize(0, 0);
   const Layout& layout = t.layout;
   const NoiseModel noise(layout, fit_profile(search.target, search.explained()).leftover);
   const Series3 left = fit_with(t, {}, noise, {}).leftover;

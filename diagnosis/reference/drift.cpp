@@ -7,7 +7,6 @@ namespace stillpoint::diag {
 namespace {
 
 constexpr double kDriftNats = 12.0;
-constexpr double kLeastShareOfFirst = 0.02;
 
 /// Half of Wald's statistic of one effect, the walk fitted beside it.
 double nats_beside_walk(const SensorSearch& search, std::size_t index, const Finished& finished) {
@@ -34,7 +33,7 @@ Finished finish_beside_drift(SensorSearch& search) {
       ++i;
       continue;
     }
-    search.found.erase(search.found.begin() + static_cast<std::ptrdiff_t>(i));
+    take_out(search, i);
     finished = finish(search);
     i = 0;
   }

@@ -25,13 +25,11 @@ std::optional<Series3> same_offset(const Signals& s, Sensor sensor, const Found&
 /// Whether a delay of the sensor's own explains clearly more than the common one: then it is not common.
 bool has_its_own(const Signals& s, const SensorSearch& search, double common_gain) {
   constexpr double kClearShare = 0.1;
-  Target plain = search.target;
-  plain.walk.resize(0, 0);
   const Columns explained = search.explained();
-  const NoiseModel noise(plain.layout, fit_profile(plain, explained).leftover);
+  const NoiseModel noise(search.target.layout, fit_profile(search.target, explained).leftover);
   for (const TimingLaw& law : make_timing_laws(s, search.sensor, 0)) {
     if (!law.id.ends_with("_delay")) continue;
-    const TimingFit own = fit_timing(plain, explained, noise, law);
+    const TimingFit own = fit_timing(search.target, explained, noise, law);
     if (own.gain_nats <= 0) return false;
     const double gain = gain_of_offset(search, own.delta);
     return gain > common_gain + std::max(kClearNats, kClearShare * gain);

@@ -32,7 +32,6 @@ std::pair<Target, Columns> without_effects(const SensorSearch& search, const std
 /// Residual of the whole recording, with the coefficients of the samples that `train` counts.
 Series3 left_by(const Target& full, const Columns& columns, const NoiseModel& noise, const Eigen::ArrayXd& train) {
   Target part = full;
-  part.walk.resize(0, 0);
   part.layout.counts = train;
   return fit_with(part, columns, noise, {}).leftover;
 }
@@ -108,12 +107,10 @@ Eigen::Index first_column(const SensorSearch& search, std::size_t index) {
 }
 
 Finished finish(const SensorSearch& search) {
-  Target t = search.target;
   const Columns explained = search.explained();
-  t.walk.resize(0, 0);
   Finished out;
-  out.fit = fit_profile(t, explained);
-  t.walk = search.walk;
+  out.fit = fit_profile(search.target, explained);
+  const Target t = search.beside_walk();
   Fit walking = fit_profile(t, explained);
   out.walk_gain_nats = walking.log_likelihood - out.fit.log_likelihood;
   if (out.walk_gain_nats > 0) out.fit = std::move(walking);
@@ -131,9 +128,7 @@ HeldOut held_out(const SensorSearch& search, const std::vector<std::size_t>& eff
   const Target& t = search.target;
   const auto [less, fewer] = without_effects(search, effects);
   const Columns all = search.explained();
-  Target plain = t;
-  plain.walk.resize(0, 0);
-  const NoiseModel noise(t.layout, fit_profile(plain, all).leftover);
+  const NoiseModel noise(t.layout, fit_profile(t, all).leftover);
   const auto block = static_cast<Eigen::Index>(std::lround(kFold_s / t.dt_s));
   HeldOut out;
   Series3 before = Series3::Zero(t.layout.n, 3), after = before;
@@ -163,7 +158,7 @@ HeldOut held_out(const SensorSearch& search, const std::vector<std::size_t>& eff
   out.rms_before = rms_over(before, t.layout.counts);
   out.rms_after = rms_over(after, t.layout.counts);
   // The floor is what the best coefficients leave: those of the whole recording.
-  out.noise_floor = rms_over(fit_with(plain, all, noise, {}).leftover, t.layout.counts);
+  out.noise_floor = rms_over(fit_with(t, all, noise, {}).leftover, t.layout.counts);
   const double removable = out.rms_before * out.rms_before - out.noise_floor * out.noise_floor;
   if (removable > 0)
     out.removable_share_removed = (out.rms_before * out.rms_before - out.rms_after * out.rms_after) / removable;

@@ -11,10 +11,8 @@ constexpr double kNatsForTheProduct = 1.5;  // there are four times as many prod
 
 }  // namespace
 
-Judge::Judge(const SensorSearch& search) : plain_(search.target), explained_(search.explained()) {
-  plain_.walk.resize(0, 0);
-  beside_walk_ = plain_;
-  beside_walk_.walk = search.walk;
+Judge::Judge(const SensorSearch& search)
+    : plain_(search.target), beside_walk_(search.beside_walk()), explained_(search.explained()) {
   null_ = fit_profile(plain_, explained_).log_likelihood;
   const double with_walk = fit_profile(beside_walk_, explained_).log_likelihood;
   walking_ = with_walk > null_ + kWalkWorthwhile;

@@ -107,7 +107,6 @@ Found line(const Target& t, const Series& t_s, double frequency_Hz, const Eigen:
 
 std::optional<Found> line_in(const SensorSearch& search) {
   Target plain = search.target;
-  plain.walk.resize(0, 0);
   plain.layout.order = 0;
   Series3 left = fit_with(plain, search.explained(), NoiseModel(plain.layout, plain.residual), {}).leftover;
   for (int axis = 0; axis < 3; ++axis) left.col(axis).array() *= plain.layout.present;

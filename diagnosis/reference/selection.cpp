@@ -14,11 +14,9 @@ namespace stillpoint::diag {
 namespace {
 
 constexpr double kNatsPerCoefficient = 2.0;
-constexpr double kNatsForTheName = 5.0;    // log of the number of laws
-constexpr double kNatsForTheWindow = 8.0;  // log of the number of windows
-constexpr double kLeastNetBeside = 3.0;  // beside something found, which leaves over what is no noise; and of a product
-constexpr double kLeastHeldOut = 1.0;    // nats on data not used for the fit
-constexpr double kLeastShareOfFirst = 0.02;       // the remainder of a large effect must not get a name of its own
+constexpr double kNatsForTheName = 5.0;           // log of the number of laws
+constexpr double kNatsForTheWindow = 8.0;         // log of the number of windows
+constexpr double kLeastHeldOut = 1.0;             // nats on data not used for the fit
 constexpr double kLeastShareBesideUnknown = 0.1;  // a product stands for the true law to that much only
 constexpr std::size_t kShortNamed = 6, kShortUnknown = 3, kShortBesideWalk = 3;
 
@@ -112,6 +110,12 @@ std::optional<Found> chosen(const Signals& s, const SensorSearch& search, const 
 
 }  // namespace
 
+Target SensorSearch::beside_walk() const {
+  Target t = target;
+  t.walk = walk;
+  return t;
+}
+
 Columns SensorSearch::explained() const {
   Columns all;
   for (const Found& f : found) all.insert(all.end(), f.columns.begin(), f.columns.end());
@@ -144,7 +148,6 @@ NoiseModel scan_noise(const Target& target, const Columns& explained, const Eige
     flexible.push_back({axis, v.col(axis).array().cube()});
   }
   Target plain = target;
-  plain.walk.resize(0, 0);
   plain.layout.order = 0;
   const Fit fit = fit_with(plain, flexible, NoiseModel(plain.layout, plain.residual), {});
   return NoiseModel(target.layout, fit.leftover);
@@ -173,7 +176,6 @@ std::optional<Found> next_effect(const Signals& s, SensorSearch& search) {
   const NoiseModel noise = scan_noise(judge.without_walk(), explained, search.walk);
   const std::vector<Candidate> shortlist = short_list(search, judge, noise);
 
-  search.target.walk.resize(0, 0);
   const bool responded = responds(search);
   std::vector<Found> refined;
   if (!responded) refined = refine_timing(s, search, shortlist, noise);
@@ -206,28 +208,31 @@ void accept(SensorSearch& search, Found found) {
   search.first_gain = std::max(search.first_gain, found.gain_nats);
   add_to(search, std::move(found));
   if (search.found.size() < 2) return;
-  search.target.walk = search.walk;
-  const double all = fit_profile(search.target, search.explained()).log_likelihood;
+  const double all = fit_profile(search.beside_walk(), search.explained()).log_likelihood;
   for (std::size_t i = 0; i + 1 < search.found.size(); ++i) {
     SensorSearch without = search;
-    if (search.found[i].offset.size()) without.target.residual += search.found[i].offset;
-    without.found.erase(without.found.begin() + static_cast<std::ptrdiff_t>(i));
-    const double less = fit_profile(without.target, without.explained()).log_likelihood;
-    search.found[i].gain_nats = all - less;
-    search.found[i].net_nats = all - less - charge(search.found[i].columns.size(), search.found[i].window);
-    if (search.found[i].net_nats > 0) continue;
+    take_out(without, i);
+    Found& f = search.found[i];
+    f.gain_nats = all - fit_profile(without.beside_walk(), without.explained()).log_likelihood;
+    f.net_nats = f.gain_nats - charge(f.columns.size(), f.window);
+    if (f.net_nats > 0) continue;
     search = std::move(without);
     return;
   }
 }
 
+void take_out(SensorSearch& search, std::size_t index) {
+  const Found& f = search.found[index];
+  if (f.offset.size()) search.target.residual += f.offset;
+  search.found.erase(search.found.begin() + static_cast<std::ptrdiff_t>(index));
+}
+
 double gain_of_offset(const SensorSearch& search, const Series3& offset) {
-  Target plain = search.target;
-  plain.walk.resize(0, 0);
+  Target shifted = search.target;
   const Columns explained = search.explained();
-  const double before = fit_profile(plain, explained).log_likelihood;
-  plain.residual -= offset;
-  return fit_profile(plain, explained).log_likelihood - before;
+  const double before = fit_profile(shifted, explained).log_likelihood;
+  shifted.residual -= offset;
+  return fit_profile(shifted, explained).log_likelihood - before;
 }
 
 }  // namespace stillpoint::diag

@@ -38,14 +38,15 @@ struct Found {
 /// Everything about one sensor while the search runs.
 struct SensorSearch {
   Sensor sensor = kAcc;
-  Target target;  ///< residual: timing offsets already subtracted
+  Target target;  ///< residual: timing offsets already subtracted; without a walk
   std::vector<Law> laws, unknown;
   std::vector<std::string> deleted;  ///< timing laws that are not in the library this time
   std::vector<Found> found;
   std::vector<Ranked> ranking;  ///< of the first round
   double first_gain = 0.0;
-  Eigen::MatrixXd walk;  ///< the basis, kept while the target may be without
+  Eigen::MatrixXd walk;  ///< the basis of a random walk
   Series t_s;
+  [[nodiscard]] Target beside_walk() const;
   [[nodiscard]] Columns explained() const;
   [[nodiscard]] bool has_unknown() const;
   /// By index of a candidate: the catalogue's laws, then the products outside of it.
@@ -54,8 +55,12 @@ struct SensorSearch {
   }
 };
 
-/// What a name has to gain beyond the freedom of the search before it is stated.
-inline constexpr double kLeastNet = 1.5;
+/// What a name has to gain beyond the freedom of the search before it is stated; and beside something - an effect found
+/// before, a drift - that leaves over what is no noise.
+inline constexpr double kLeastNet = 1.5, kLeastNetBeside = 3.0;
+
+/// Of the largest gain in the sensor: the remainder of a large effect must not get a name of its own.
+inline constexpr double kLeastShareOfFirst = 0.02;
 
 /// Closer than this the recording cannot tell two explanations apart; where each has its own best window, twice that.
 [[nodiscard]] inline double tie_nats(const Window& window) { return window.local ? 10.0 : 5.0; }
@@ -72,6 +77,8 @@ inline constexpr double kLeastNet = 1.5;
 
 /// Adds it to the model, then drops any earlier effect that it makes superfluous.
 void accept(SensorSearch& search, Found found);
+/// The model without effect `index`: what it explained is residual again.
+void take_out(SensorSearch& search, std::size_t index);
 
 /// Noise for scanning: what is left after a flexible smooth model, so that the effect sought is not taken for noise.
 [[nodiscard]] NoiseModel scan_noise(const Target& target, const Columns& explained, const Eigen::MatrixXd& walk);

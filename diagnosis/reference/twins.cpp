@@ -25,9 +25,7 @@ class Drawn {
       Series white(layout.n);
       for (double& x : white) x = normal_(engine_);
       out.col(axis) = noise_.coloured(layout, white, axis);
-      Target walking = search_.target;
-      walking.walk = search_.walk;
-      Eigen::VectorXd c = walk_deviations(walking, q_[static_cast<std::size_t>(axis)]);
+      Eigen::VectorXd c = walk_deviations(search_.beside_walk(), q_[static_cast<std::size_t>(axis)]);
       for (double& x : c) x *= normal_(engine_);
       out.col(axis) += search_.walk * c;
     }
@@ -41,12 +39,6 @@ class Drawn {
   std::mt19937_64 engine_;
   std::normal_distribution<double> normal_;
 };
-
-void take_out(SensorSearch& search, std::size_t index) {
-  Found& f = search.found[index];
-  if (f.offset.size()) search.target.residual += f.offset;
-  search.found.erase(search.found.begin() + static_cast<std::ptrdiff_t>(index));
-}
 
 }  // namespace
 

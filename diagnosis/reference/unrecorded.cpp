@@ -8,7 +8,6 @@ namespace stillpoint::diag {
 namespace {
 
 constexpr double kShortestPeriod_s = 4.0;  // of the unknown function: loads are switched within seconds
-constexpr double kLeastNetBeside = 3.0;    // of a law beside something that drifts
 constexpr std::size_t kFullMatrix = 9;
 
 /// The noise that is left beside the law and a wholly free slow function of time. Beside either of them alone an
