@@ -15,10 +15,6 @@
 namespace stillpoint::diag {
 namespace {
 
-bool contains(const std::vector<sim::EffectConfig>& effects, const std::string& id) {
-  return std::any_of(effects.begin(), effects.end(), [&id](const auto& e) { return e.id == id; });
-}
-
 /// What was set aside is no match: the verdict says so, and the summary begins with it.
 void tell_what_was_set_aside(const Sanity& sanity, const sim::SimulationConfig& given, Diagnosis& d) {
   std::string absent;

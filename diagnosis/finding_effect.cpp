@@ -70,4 +70,8 @@ std::optional<sim::EffectConfig> effect_of(const Finding& finding) {
   return e;
 }
 
+bool contains(const std::vector<sim::EffectConfig>& entries, const std::string& id) {
+  return std::any_of(entries.begin(), entries.end(), [&id](const auto& e) { return e.id == id; });
+}
+
 }  // namespace stillpoint::diag

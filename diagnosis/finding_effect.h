@@ -1,6 +1,8 @@
 /// From a finding to the entry of a simulation's `effects:` that it stands for.
 #pragma once
 #include <optional>
+#include <string>
+#include <vector>
 
 #include "diagnosis/result.h"
 #include "simulation/config.h"
@@ -11,5 +13,8 @@ namespace stillpoint::diag {
 /// nullopt: not in the catalogue, or a number that the catalogue requires was not found. Where a number is known of
 /// some axes only, the entry acts on those.
 [[nodiscard]] std::optional<sim::EffectConfig> effect_of(const Finding& finding);
+
+/// Whether one of the entries is of this effect.
+[[nodiscard]] bool contains(const std::vector<sim::EffectConfig>& entries, const std::string& id);
 
 }  // namespace stillpoint::diag

@@ -26,10 +26,6 @@ class Examination {
  private:
   void load(Sensor s);
 
-  [[nodiscard]] bool simulated(const std::string& id) const {
-    return std::any_of(simulation_.effects.begin(), simulation_.effects.end(),
-                       [&id](const auto& e) { return e.id == id; });
-  }
   [[nodiscard]] std::string channel(Sensor s, int axis) const {
     return fmt::format("{}_{}", kSensorName[s], "xyz"[axis]);
   }
@@ -50,7 +46,7 @@ class Examination {
     return f.effect.ends_with("_quant") && f.interval_s[1] - f.interval_s[0] < 0.95 * span_s;
   }
   void state(Finding f, std::size_t spoiled_rows) {
-    if (simulated(f.effect)) return;
+    if (contains(simulation_.effects, f.effect)) return;
     if (auto e = effect_of(f)) {
       if (lasts_a_while_only(f)) e->window_s = {f.interval_s[0] - t(0), f.interval_s[1] - t(0)};
       out_.effects.push_back(std::move(*e));

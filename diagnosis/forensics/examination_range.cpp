@@ -23,7 +23,7 @@ void Examination::examine_rails(Sensor s) {
   for (int i = 0; i < 3; ++i) {
     const Axis& a = axes_[s][static_cast<std::size_t>(i)];
     for (const double sign : {1.0, -1.0}) {
-      const auto rail = detail::find_rail(a, sign);
+      const auto rail = find_rail(a, sign);
       if (!rail) continue;
       for (const std::size_t r : rail->rows) mute(s, r);
       spoiled += rail->rows.size();
@@ -55,7 +55,7 @@ void Examination::examine_peaks(Sensor s) {
   static const std::vector<double> none,
       acc_mps2 = scaled({2, 4, 6, 8, 12, 16, 20, 24, 32, 40, 64, 100, 200, 400}, 9.80665),
       gyr_radps = scaled({125, 250, 450, 500, 1000, 2000, 4000}, M_PI / 180.0);
-  const auto peaks = detail::find_clipped_peaks(axes_[s], s == kAcc ? acc_mps2 : s == kGyr ? gyr_radps : none);
+  const auto peaks = find_clipped_peaks(axes_[s], s == kAcc ? acc_mps2 : s == kGyr ? gyr_radps : none);
   if (!peaks) return;
   std::array<bool, 3> hit{};
   std::size_t first = recording_.size(), last = 0;
@@ -83,7 +83,7 @@ void Examination::examine_peaks(Sensor s) {
 }
 
 void Examination::examine_dead_zone() {
-  const auto zone = detail::find_dead_zone(axes_[kGyr]);
+  const auto zone = find_dead_zone(axes_[kGyr]);
   if (!zone) return;
   std::vector<std::string> channels;
   for (int i = 0; i < 3; ++i) {

@@ -59,7 +59,7 @@ void Examination::examine_duplicates() {
     sensors += !a.empty();
   }
   if (sensors < 2) return;  // one sensor alone cannot tell a lost row from its own stale value
-  duplicate_ = detail::find_duplicates(all);
+  duplicate_ = find_duplicates(all);
   if (duplicate_.empty()) return;
   std::size_t count = 0, first = duplicate_.size(), last = 0;
   for (std::size_t i = 0; i < duplicate_.size(); ++i) {
@@ -84,7 +84,7 @@ void Examination::examine_duplicates() {
 }
 
 void Examination::examine_hold(Sensor s) {
-  const auto hold = detail::find_hold(axes_[s], duplicate_);
+  const auto hold = find_hold(axes_[s], duplicate_);
   if (!hold) return;
   auto& sensor = out_.sensor[s];
   sensor.held = true;

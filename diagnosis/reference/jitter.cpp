@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "diagnosis/finding_effect.h"
 #include "diagnosis/reference/apparatus.h"
 #include "diagnosis/reference/columns.h"
 #include "diagnosis/reference/evidence.h"
@@ -197,9 +198,7 @@ void find_jitter(Signals& s, const sim::SimulationConfig& given, Answer& answer)
     const double gain = gain_of(r, jitter.sd_s);
     if (gain < kContradiction || (gain > 3.0 && std::abs(memory_of(r)) > kWhite)) return;
   }
-  const auto known =
-      std::find_if(given.effects.begin(), given.effects.end(), [](const auto& e) { return e.id == "sys_jitter"; });
-  if (known == given.effects.end()) {
+  if (!contains(given.effects, "sys_jitter")) {
     answer.diagnosis.findings.push_back(finding_of(s, sensors, jitter));
     answer.effects.push_back({.id = "sys_jitter", .parameters = {{"sd_s", {jitter.sd_s}}}, .axes = {}, .window_s = {}});
   }
