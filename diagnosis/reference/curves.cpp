@@ -137,17 +137,6 @@ Against against(const Signals& s, const SensorSearch& search, const Found& f, co
   return out;
 }
 
-/// The effect in all three channels.
-Series3 effect_of(const Signals& s, const Found& f, const Eigen::VectorXd& theta) {
-  Series3 effect = Series3::Zero(s.n, 3);
-  if (f.offset.size()) effect += f.offset;
-  for (std::size_t j = 0; j < f.columns.size(); ++j)
-    for (int axis = 0; axis < 3; ++axis)
-      if (const auto shown = shown_in(f.columns[j], axis))
-        effect.col(axis) += theta[static_cast<Eigen::Index>(j)] * *shown;
-  return effect;
-}
-
 void fill_driver(const Against& a, const Series& leftover, const Layout& layout, FindingFigures& out) {
   if (a.driver.size() == 0) return;
   const Eigen::Index step = std::max<Eigen::Index>(1, (a.end - a.begin) / kMostPoints);
@@ -167,7 +156,8 @@ FindingFigures curves_of(const Signals& s, const SensorSearch& search, std::size
   const Layout& layout = search.target.layout;
   const Eigen::VectorXd theta =
       finished.fit.theta.segment(first_column(search, index), static_cast<Eigen::Index>(f.columns.size()));
-  const Series3 effect = effect_of(s, f, theta);
+  Series3 effect = contribution_of(f.columns, theta, s.n);
+  if (f.offset.size()) effect += f.offset;
   Eigen::Index strongest = 0;
   effect.colwise().squaredNorm().maxCoeff(&strongest);
   const int axis = static_cast<int>(strongest);

@@ -86,11 +86,10 @@ bool subtract_linear(Signals& s, Sensor k, const sim::EffectConfig& e, const sim
     if (e.id.ends_with("temp_quad") && values.size() == 3 && e.parameters.size() > 1) continue;
     const double shape = hidden ? scalar(e, kLevelKey[k], 0.0) : scalar(e, "tau_s", law.shapes.front());
     const Columns columns = in_window(law.columns(shape), window_of(e, s));
-    Series3 delta = Series3::Zero(s.n, 3);
-    for (std::size_t j = 0; j < columns.size(); ++j)
-      for (int axis = 0; axis < 3; ++axis)
-        if (const auto shown = shown_in(columns[j], axis); shown && acts_on(e, axis))
-          delta.col(axis) += values[j] * *shown;
+    Series3 delta = contribution_of(
+        columns, Eigen::Map<const Eigen::VectorXd>(values.data(), static_cast<Eigen::Index>(values.size())), s.n);
+    for (int axis = 0; axis < 3; ++axis)
+      if (!acts_on(e, axis)) delta.col(axis).setZero();
     if (k == kGyr) s.given_rate = s.given_rate.rows() == 0 ? delta : Series3(s.given_rate + delta);
     s.residual[k] -= let_through(s, k == kGyr ? tracker : nullptr, std::move(delta));
     return true;

@@ -178,6 +178,15 @@ Fit solve(const Target& t, const Columns& columns, const NoiseModel& noise, cons
 
 }  // namespace
 
+Series3 contribution_of(const Columns& columns, const Eigen::VectorXd& theta, Eigen::Index n) {
+  Series3 effect = Series3::Zero(n, 3);
+  for (std::size_t j = 0; j < columns.size(); ++j)
+    for (int axis = 0; axis < 3; ++axis)
+      if (const auto shown = shown_in(columns[j], axis))
+        effect.col(axis) += theta[static_cast<Eigen::Index>(j)] * *shown;
+  return effect;
+}
+
 Eigen::MatrixXd walk_basis(const Signals& s, double shortest_period_s) {
   const double length = s.duration_s();
   const int terms = std::clamp(static_cast<int>(2.0 * length / shortest_period_s), 4, kMostWalkTerms);

@@ -22,6 +22,9 @@ using Columns = std::vector<Column>;
   return Series(c.axis >= 0 ? c.x.col(0) : c.x.col(axis));
 }
 
+/// What the columns do with these coefficients, in all three axes (n x 3).
+[[nodiscard]] Series3 contribution_of(const Columns& columns, const Eigen::VectorXd& theta, Eigen::Index n);
+
 [[nodiscard]] inline Columns joined(Columns a, const Columns& b) {
   a.insert(a.end(), b.begin(), b.end());
   return a;

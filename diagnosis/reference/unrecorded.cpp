@@ -22,14 +22,8 @@ NoiseModel noise_beside_both(const Target& plain, const Columns& columns, const 
 /// What the law does to the reading, on the one line in the body along which it does most, a reading's noise being the
 /// measure.
 Column along_one_line(const Columns& law, const Eigen::VectorXd& theta, const NoiseModel& noise, Eigen::Index n) {
-  Series3 effect = Series3::Zero(n, 3);
-  Vec3 sd;
-  for (int axis = 0; axis < 3; ++axis) {
-    sd[axis] = noise.innovation_sd(axis);
-    for (std::size_t j = 0; j < law.size(); ++j)
-      if (const auto x = shown_in(law[j], axis)) effect.col(axis) += theta[static_cast<Eigen::Index>(j)] * *x;
-  }
-  const Series3 scaled = effect * sd.cwiseInverse().asDiagonal();
+  const Vec3 sd(noise.innovation_sd(0), noise.innovation_sd(1), noise.innovation_sd(2));
+  const Series3 scaled = contribution_of(law, theta, n) * sd.cwiseInverse().asDiagonal();
   const Series3 moving = scaled.rowwise() - scaled.colwise().mean();
   const Mat3 power = moving.transpose() * moving;
   const Vec3 line = Eigen::SelfAdjointEigenSolver<Mat3>(power).eigenvectors().col(2);
