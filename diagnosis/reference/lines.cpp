@@ -7,6 +7,7 @@
 #include <unsupported/Eigen/FFT>
 
 #include "diagnosis/reference/columns.h"
+#include "diagnosis/reference/golden_section.h"
 
 namespace stillpoint::diag {
 namespace {
@@ -50,14 +51,8 @@ Eigen::Matrix<double, 3, 2> amplitudes(const Series3& x, const Series& t_s, doub
 }
 
 double refined(const Series3& x, const Series& t_s, double frequency_Hz, double bin_Hz, double half_rate_Hz) {
-  constexpr double kGolden = 0.6180339887498949;
-  double low = frequency_Hz - bin_Hz, high = std::min(frequency_Hz + bin_Hz, half_rate_Hz);
-  for (int i = 0; i < kRefinements; ++i) {
-    const double a = high - kGolden * (high - low), b = low + kGolden * (high - low);
-    (amplitudes(x, t_s, a).squaredNorm() > amplitudes(x, t_s, b).squaredNorm() ? high : low) =
-        amplitudes(x, t_s, a).squaredNorm() > amplitudes(x, t_s, b).squaredNorm() ? b : a;
-  }
-  return 0.5 * (low + high);
+  return highest_by_golden_section(frequency_Hz - bin_Hz, std::min(frequency_Hz + bin_Hz, half_rate_Hz), kRefinements,
+                                   [&](double f) { return amplitudes(x, t_s, f).squaredNorm(); });
 }
 
 Found flip(const Target& t) {

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "diagnosis/reference/golden_section.h"
+
 namespace stillpoint::diag {
 namespace {
 
@@ -37,23 +39,12 @@ Eigen::Index refine_gap(const Signals& s, const SensorSearch& search, const Nois
 /// One pass: the best edges within reach of the given ones.
 Window moved_edges(const Target& target, const Columns& explained, const Columns& everywhere, const Window& window,
                    const NoiseModel& noise) {
-  const Fit fit = fit_with(target, joined(explained, in_window(everywhere, window)), noise, {});
-  Series3 with = fit.leftover;  // the law switched on in the whole recording
-  const auto first = static_cast<Eigen::Index>(explained.size());
-  for (std::size_t j = 0; j < everywhere.size(); ++j) {
-    const double theta = fit.theta[first + static_cast<Eigen::Index>(j)];
-    const Columns windowed = in_window({everywhere[j]}, window);
-    for (int axis = 0; axis < 3; ++axis)
-      if (const auto all = shown_in(everywhere[j], axis))
-        with.col(axis) -= theta * (*all - *shown_in(windowed[0], axis));
-  }
-  Series3 without = fit.leftover;
-  for (std::size_t j = 0; j < everywhere.size(); ++j) {
-    const Columns windowed = in_window({everywhere[j]}, window);
-    for (int axis = 0; axis < 3; ++axis)
-      if (const auto in = shown_in(windowed[0], axis))
-        without.col(axis) += fit.theta[first + static_cast<Eigen::Index>(j)] * *in;
-  }
+  const Columns windowed = in_window(everywhere, window);
+  const Fit fit = fit_with(target, joined(explained, windowed), noise, {});
+  const Eigen::VectorXd theta = fit.theta.tail(static_cast<Eigen::Index>(everywhere.size()));
+  const Series3 without = fit.leftover + contribution_of(windowed, theta, target.layout.n);
+  const Series3 with =
+      without - contribution_of(everywhere, theta, target.layout.n);  // switched on in the whole recording
   Series evidence = Series::Zero(target.layout.n);
   // The noise beside the effect: with the effect in it, an autoregression would smear the edges.
   const NoiseModel beside(target.layout, fit.leftover);
@@ -159,24 +150,15 @@ Found found_from(const Law& law, const Candidate& c, Columns columns) {
 
 void refine_shape(const Target& target, const Columns& explained, const std::vector<double>& grid, Found& f) {
   constexpr int kSections = 12;
-  constexpr double kGolden = 0.6180339887498949, kBeyond = 1.5;
+  constexpr double kBeyond = 1.5;
   const NoiseModel noise(target.layout, fit_profile(target, joined(explained, f.columns)).leftover);
   const auto gain = [&](double log_shape) {
     return fit_with(target, joined(explained, f.at_shape(std::exp(log_shape))), noise, {}).log_likelihood;
   };
   const auto at = std::find(grid.begin(), grid.end(), f.shape);
-  double low = std::log(at == grid.begin() ? grid.front() / kBeyond : *std::prev(at));
-  double high = std::log(std::next(at) == grid.end() ? grid.back() * kBeyond : *std::next(at));
-  double a = high - kGolden * (high - low), b = low + kGolden * (high - low);
-  double gain_a = gain(a), gain_b = gain(b);
-  for (int i = 0; i < kSections; ++i) {
-    if (gain_a > gain_b) {
-      high = b, b = a, gain_b = gain_a, a = high - kGolden * (high - low), gain_a = gain(a);
-    } else {
-      low = a, a = b, gain_a = gain_b, b = low + kGolden * (high - low), gain_b = gain(b);
-    }
-  }
-  f.shape = std::exp(0.5 * (low + high));
+  const double low = std::log(at == grid.begin() ? grid.front() / kBeyond : *std::prev(at));
+  const double high = std::log(std::next(at) == grid.end() ? grid.back() * kBeyond : *std::next(at));
+  f.shape = std::exp(highest_by_golden_section(low, high, kSections, gain));
   f.columns = f.at_shape(f.shape);
 }
 
