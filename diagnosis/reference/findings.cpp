@@ -6,17 +6,18 @@
 #include <cmath>
 #include <numeric>
 
+#include "diagnosis/finding_effect.h"
 #include "diagnosis/reference/adequacy.h"
 #include "diagnosis/reference/curves.h"
 #include "diagnosis/reference/drift.h"
 #include "diagnosis/reference/given_effects.h"
+#include "diagnosis/reference/remainder.h"
 #include "diagnosis/reference/unrecorded.h"
 #include "simulation/effect_catalogue.h"
 
 namespace stillpoint::diag {
 namespace {
 
-constexpr double kConfigurationP = 1e-6;
 constexpr std::size_t kMostEquivalent = 2;
 
 std::string missing_drivers(const Signals& s, Sensor k) {
@@ -166,10 +167,12 @@ Finding switching_finding(const Signals& s, const SensorSearch& search, const Fi
   return out;
 }
 
+std::string drift_id(Sensor sensor) { return std::string(kSensorName[sensor]) + "_drift"; }
+
 Finding drift_finding(const Signals& s, const SensorSearch& search, const Finished& finished) {
   Finding out;
   const std::string sensor = kSensorName[search.sensor];
-  out.effect = sensor + "_drift";
+  out.effect = drift_id(search.sensor);
   out.equation = "db/dt = w, <w w> = q^2";
   out.driver = "time: a slow drift that no recorded quantity drives";
   out.regime = "all the time";
@@ -194,58 +197,12 @@ Finding drift_finding(const Signals& s, const SensorSearch& search, const Finish
   return out;
 }
 
-void configuration_of(const Signals& s, const SensorSearch& search, const Finished& finished, Answer& answer) {
-  const std::string sensor = kSensorName[search.sensor];
-  for (const Found& f : search.found)
-    if (f.kind == Kind::kConfiguration)
-      answer.diagnosis.configuration.push_back({sensor, "field_world_uT is wrong: another constant field fits"});
-  const bool thermal = std::any_of(search.found.begin(), search.found.end(), [](const Found& f) {
-    return f.id.find("_temp_") != std::string::npos || f.id.find("_volt") != std::string::npos ||
-           f.id.find("current") != std::string::npos;
-  });
-  double bias = 0.0, matrix = 0.0;
-  Vec3 offset;
-  Mat3 map;
-  const Eigen::VectorXd& x = finished.fit.nuisance;
-  const Eigen::MatrixXd& P = finished.fit.nuisance_covariance;
-  for (int axis = 0; axis < 3; ++axis) {
-    offset[axis] = x[4 * axis];
-    map.row(axis) = x.segment<3>(4 * axis + 1);
-    const Eigen::Vector3d m = x.segment<3>(4 * axis + 1);
-    bias += offset[axis] * offset[axis] / P(4 * axis, 4 * axis);
-    matrix += m.dot(Mat3(P.block<3, 3>(4 * axis + 1, 4 * axis + 1)).ldlt().solve(m));
-  }
-  // Smaller than a thousandth is below what the true vector itself is known to.
-  const double scale = std::sqrt(s.vector[search.sensor].rowwise().squaredNorm().mean());
-  if (!thermal && chi_square_tail(bias, 3.0) < kConfigurationP && offset.norm() > 2e-4 * scale)
-    answer.diagnosis.configuration.push_back(
-        {sensor, fmt::format("bias wrong by ({:.3g}, {:.3g}, {:.3g}) {}", offset[0], offset[1], offset[2],
-                             kSensorUnit[search.sensor])});
-  if (chi_square_tail(matrix, 9.0) < kConfigurationP && map.norm() > 1e-3)
-    answer.diagnosis.configuration.push_back(
-        {sensor, fmt::format("matrix wrong by {:.2g} % (largest entry): reads (1 + D) times the truth, D in % = "
-                             "[[{:.2f}, {:.2f}, {:.2f}], [{:.2f}, {:.2f}, {:.2f}], [{:.2f}, {:.2f}, {:.2f}]]",
-                             100.0 * map.cwiseAbs().maxCoeff(), 100 * map(0, 0), 100 * map(0, 1), 100 * map(0, 2),
-                             100 * map(1, 0), 100 * map(1, 1), 100 * map(1, 2), 100 * map(2, 0), 100 * map(2, 1),
-                             100 * map(2, 2))});
-}
-
-void residual_of(const Signals& s, const SensorSearch& search, const Finished& finished, Answer& answer) {
-  const Layout& layout = search.target.layout;
-  for (int axis = 0; axis < 3; ++axis) {
-    ChannelResidual c;
-    c.channel = fmt::format("{}_{}", kSensorName[search.sensor], kAxisName[static_cast<std::size_t>(axis)]);
-    const auto rms = [&](const Series& x) {
-      return std::sqrt((x.array().square() * layout.counts).sum() / std::max(layout.used(), 1.0));
-    };
-    c.rms_before = rms(s.residual[search.sensor].col(axis));
-    c.rms_after = rms(finished.fit.leftover.col(axis));
-    c.white = is_white(finished.fit.whitened.col(axis), layout);
-    const double sd = std::sqrt(std::max(finished.fit.nuisance_covariance(4 * axis, 4 * axis), 0.0));
-    c.smallest_seen = std::sqrt(2.0 * (charge(1, {}) + kLeastNet)) * sd;
-    c.unit = kSensorUnit[search.sensor];
-    answer.diagnosis.residual.push_back(c);
-  }
+sim::EffectConfig drift_effect(Sensor sensor, const Finished& finished) {
+  sim::EffectConfig e;
+  e.id = drift_id(sensor);
+  const auto& q = finished.fit.walk_q;
+  e.parameters[sim::find_effect(e.id)->parameters.front().key] = {q.begin(), q.end()};
+  return e;
 }
 
 }  // namespace
@@ -277,24 +234,14 @@ void report_sensor(const Signals& s, const EngineResult& engine, Sensor sensor,
     if (f.shape_name == kTrackerShape)
       effects.push_back({.id = "sys_tracker", .parameters = {{"tau_s", {f.shape}}}, .axes = {}, .window_s = {}});
   }
-  const std::string drift = std::string(kSensorName[sensor]) + "_drift";
-  const bool known_drift = std::any_of(given.begin(), given.end(), [&](const auto& e) { return e.id == drift; });
   // What drifts beside an unknown law is what its product leaves of it.
-  if (drifting && !known_drift && !switched && !search.has_unknown()) {
+  if (drifting && !switched && !search.has_unknown() && !contains(given, drift_id(sensor))) {
     findings.push_back(drift_finding(s, search, finished));
-    sim::EffectConfig e;
-    e.id = drift;
-    const sim::EffectInfo* info = sim::find_effect(drift);
-    if (info != nullptr) {
-      e.parameters[info->parameters.front().key] = {finished.fit.walk_q[0], finished.fit.walk_q[1],
-                                                    finished.fit.walk_q[2]};
-      effects.push_back(e);
-    }
+    effects.push_back(drift_effect(sensor, finished));
   }
   for (auto& f : findings) answer.diagnosis.findings.push_back(std::move(f));
   for (auto& e : effects) answer.effects.push_back(std::move(e));
-  configuration_of(s, search, finished, answer);
-  residual_of(s, search, finished, answer);
+  report_remainder(s, search, finished, answer.diagnosis);
   heat_of(s, search, answer.diagnosis);
   for (const Ranked& r : search.ranking) answer.diagnosis.ranking.push_back({r.id, r.gain_nats});
 }
