@@ -7,6 +7,7 @@
 #include <cmath>
 #include <memory>
 
+#include "diagnosis/finding_effect.h"
 #include "diagnosis/forensics/forensics.h"
 #include "diagnosis/no_reference/field.h"
 #include "diagnosis/no_reference/findings.h"
@@ -95,16 +96,12 @@ std::string what_is_missing(const io::Recording& recording, const sim::Simulatio
   return {};
 }
 
-bool given(const sim::SimulationConfig& simulation, const std::string& id) {
-  return std::any_of(simulation.effects.begin(), simulation.effects.end(), [&](const auto& e) { return e.id == id; });
-}
-
 /// The laws that are left to be named: what the simulation has was taken out already.
 std::vector<WitnessedLaw> open_laws(const SelfConsistency& model, const sim::SimulationConfig& simulation,
                                     const std::vector<std::string>& without) {
   auto laws = detail::witnessed_laws(model, simulation);
   std::erase_if(laws, [&](const WitnessedLaw& law) {
-    return given(simulation, law.id) || std::find(without.begin(), without.end(), law.id) != without.end();
+    return contains(simulation.effects, law.id) || std::find(without.begin(), without.end(), law.id) != without.end();
   });
   return laws;
 }
@@ -117,7 +114,7 @@ bool state_drift(const SelfConsistency& model, const sim::SimulationConfig& simu
   for (const auto& c : ranking) best = std::max(best, c.score);
   for (const Sensor s : {kGyr, kMag}) {
     const std::string id = fmt::format("{}_drift", kSensorName[s]);
-    if (given(simulation, id)) continue;
+    if (contains(simulation.effects, id)) continue;
     const double drift = detail::drift_score(model, s);
     d.ranking.push_back({id, drift});
     if (drift < detail::kAbstain_nats || drift < kDriftOverLaw * best + detail::kAbstain_nats) continue;
@@ -156,11 +153,12 @@ Trial best_of(const SelfConsistency& model, const sim::SimulationConfig& simulat
   for (std::size_t i = 0; i < std::min(bent ? kMostTried : 1, ranking.size()); ++i) {
     Candidate& c = ranking[i];
     if (c.score < detail::kAbstain_nats) break;
-    const double charges = c.fit.gain_nats - c.score;
     Trial t = taken_out(model, simulation, without, c);
-    if (bent) c.score = t.model ? model.misfit_nats() - t.model->misfit_nats() - charges : -HUGE_VAL;
-    t.candidate.score = c.score;
-    if (t.model && c.score > best.candidate.score) best = std::move(t);
+    if (bent)
+      c.score = t.candidate.score;
+    else
+      t.candidate.score = c.score;
+    if (c.score > best.candidate.score) best = std::move(t);
   }
   std::sort(ranking.begin(), ranking.end(), [](const auto& a, const auto& b) { return a.score > b.score; });
   return best;

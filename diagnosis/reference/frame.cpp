@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "core/so3.h"
+#include "diagnosis/finding_effect.h"
 #include "diagnosis/reference/apparatus.h"
 #include "diagnosis/reference/evidence.h"
 
@@ -70,8 +71,7 @@ void turn_into_sensor_frame(Signals& s, const Vec3& phi_rad) {
 }
 
 void find_frame(Signals& s, const sim::SimulationConfig& given, Answer& answer) {
-  const auto known = [](const auto& e) { return e.id == "ref_frame"; };
-  if (std::any_of(given.effects.begin(), given.effects.end(), known)) return;
+  if (contains(given.effects, "ref_frame")) return;
   std::vector<Turn> turns;
   for (const Sensor k : {kAcc, kGyr, kMag})
     if (const auto t = turn_of(s, k)) turns.push_back(*t);
@@ -98,11 +98,8 @@ void find_frame(Signals& s, const sim::SimulationConfig& given, Answer& answer) 
   f.regime = "all the time";
   f.interval_s = {0.0, s.duration_s()};
   double gain = 0.0;
-  Sensor strongest = turns.front().sensor;
   for (const Turn& t : turns) {
-    const double here = 0.5 * phi.squaredNorm() / std::max(t.sd * t.sd, 1e-16);
-    if (here > gain) strongest = t.sensor;
-    gain += here;
+    gain += 0.5 * phi.squaredNorm() / std::max(t.sd * t.sd, 1e-16);
     for (const char* axis : kAxisName) f.channels.push_back(std::string(kSensorName[t.sensor]) + "_" + axis);
   }
   // As far as the sensors disagree, the turn is not known.
@@ -112,6 +109,8 @@ void find_frame(Signals& s, const sim::SimulationConfig& given, Answer& answer) 
   for (int a = 0; a < 3; ++a)
     f.parameters.push_back(
         {std::string("phi_") + kAxisName[static_cast<std::size_t>(a)], phi[a], {phi[a] - half, phi[a] + half}, "rad"});
+  const Sensor strongest =
+      std::min_element(turns.begin(), turns.end(), [](const Turn& a, const Turn& b) { return a.sd < b.sd; })->sensor;
   f.held_out.unit = kSensorUnit[strongest];
   f.held_out.rms_before = rms(s.residual[strongest], s.muted[strongest]);
   turn_into_sensor_frame(s, phi);
