@@ -201,8 +201,8 @@ void AttitudeFilter::covariance_step() noexcept {
 
 void AttitudeFilter::inject() noexcept {
   const ErrorVector d = s_.error.take_mean();
-  if (!d.allFinite() || !s_.error.P().allFinite()) {  // overflow: keep the attitude, forget what was known of its error
-    start_errors();
+  if (!d.allFinite() || !s_.error.P().diagonal().allFinite()) {
+    start_errors();  // overflow: keep the attitude, forget what was known of its error
     return;
   }
   s_.x.q_world_body = array(exp_quat(d.segment<3>(kTheta)) * quat(s_.x.q_world_body));

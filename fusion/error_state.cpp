@@ -23,13 +23,14 @@ void ErrorState::propagate(const MotionSums& sums, const ProcessNoise& noise) no
 
   // F acts on few rows, so F P is formed in place: position first (it uses the old velocity), then velocity, rotation.
   const auto rows = [&](auto&& M) {
-    M.template middleRows<3>(kPosition) +=
-        T * M.template middleRows<3>(kVelocity) -
-        0.5 * T * (force * M.template middleRows<3>(kTheta) + R * M.template middleRows<3>(kAccBias));
-    M.template middleRows<3>(kVelocity) -=
-        force * M.template middleRows<3>(kTheta) + R * M.template middleRows<3>(kAccBias);
+    // Lazy products: Eigen's other ones copy, and for 9 by 25 it would take the blocked one, made for large matrices.
+    const auto velocity =
+        (force.lazyProduct(M.template middleRows<3>(kTheta)) + R.lazyProduct(M.template middleRows<3>(kAccBias)))
+            .eval();
+    M.template middleRows<3>(kPosition) += T * (M.template middleRows<3>(kVelocity) - 0.5 * velocity);
+    M.template middleRows<3>(kVelocity) -= velocity;
     M.template middleRows<3>(kTheta) -=
-        R * M.template middleRows<3>(kGyrBias) + R_rate * M.template middleRows<9>(kGyrMatrix);
+        R.lazyProduct(M.template middleRows<3>(kGyrBias)) + R_rate.lazyProduct(M.template middleRows<9>(kGyrMatrix));
     M.row(kDisturbance) *= keep;
   };
   rows(cov);
@@ -46,7 +47,7 @@ void ErrorState::propagate(const MotionSums& sums, const ProcessNoise& noise) no
     cov(kAccBias + i, kAccBias + i) += acc_walk;
   }
   cov(kDisturbance, kDisturbance) += (1.0 - keep * keep) * noise.disturbance_rad * noise.disturbance_rad;
-  cov = ErrorMatrix(0.5 * (cov + cov.transpose()));
+  cov.triangularView<Eigen::StrictlyUpper>() = cov.transpose();  // equal but for the last bits
 }
 
 void ErrorState::correct(const ErrorVector& Ph, double innovation, double s, const Eigen::RowVector4d& iron) noexcept {
