@@ -9,6 +9,7 @@
 #include "diagnosis/reference/band_limit.h"
 #include "diagnosis/reference/response.h"
 #include "diagnosis/reference/rest.h"
+#include "diagnosis/sanity/readings.h"
 
 namespace stillpoint::diag {
 namespace {
@@ -256,7 +257,7 @@ Result<Signals> make_signals(const io::Recording& recording, const sim::Simulati
                              const std::array<Mask, kSensors>& muted) {
   Signals s;
   s.n = static_cast<Eigen::Index>(recording.size());
-  s.dt_s = recording.median_step_s();
+  s.dt_s = even_step_s(recording);
   s.start_s = recording.t_s(0);
   s.t_s = Series(s.n);
   for (Eigen::Index i = 0; i < s.n; ++i) s.t_s[i] = recording.t_s(static_cast<std::size_t>(i)) - s.start_s;

@@ -8,11 +8,13 @@
 #include <functional>
 
 #include "diagnosis/forensics/forensics.h"
+#include "diagnosis/sanity/rows.h"
 
 namespace stillpoint::diag {
 namespace {
 
 constexpr double kMostFalse = 0.2;
+constexpr double kLost = 1.75;           // of the median step; jitter of the clock stays below
 constexpr std::size_t kLeastFilled = 3;  // rows with one number in all axes; fewer may be chance
 constexpr std::array<double, 3> kBeyondAnySensor{1e6, 1e6, 1e8};  // m/s^2, rad/s, uT; counts and small units lie below
 constexpr std::array<double, 3> kLeastFilling{30.0, 10.0, 200.0};
@@ -104,29 +106,6 @@ class Cleaner {
   std::optional<io::Recording> out_;
 };
 
-/// Copies rows of `from` behind those of `to`; a column that is not there stays away.
-struct Splice {
-  template <class T>
-  static void row(const std::vector<T>& from, std::size_t i, std::vector<T>& to) {
-    if (!from.empty()) to.push_back(from[i]);
-  }
-  static void nothing(const std::vector<double>& from, std::vector<double>& to) {
-    if (!from.empty()) to.push_back(io::kMissing);
-  }
-  template <class Vector>
-  static void nothing(const std::vector<Vector>& from, std::vector<Vector>& to) {
-    if (!from.empty()) to.push_back(Vector::Constant(io::kMissing));
-  }
-};
-
-template <class F>
-void each_column(const io::Recording& from, io::Recording& to, F&& f) {
-  f(from.acc_mps2, to.acc_mps2), f(from.gyr_radps, to.gyr_radps), f(from.mag_uT, to.mag_uT);
-  f(from.temp_degC, to.temp_degC), f(from.current_A, to.current_A), f(from.supply_V, to.supply_V);
-  f(from.ref_q_world_body, to.ref_q_world_body), f(from.ref_position_m, to.ref_position_m);
-  f(from.ref_moving, to.ref_moving);
-}
-
 }  // namespace
 
 std::optional<io::Recording> without_false_values(const io::Recording& recording, std::vector<std::string>& notices) {
@@ -134,7 +113,7 @@ std::optional<io::Recording> without_false_values(const io::Recording& recording
 }
 
 std::optional<io::Recording> with_lost_rows(const io::Recording& r) {
-  constexpr double kLost = 1.75, kMost_s = 1.0;  // of the median step; jitter of the clock stays below
+  constexpr double kMost_s = 1.0;
   const double step_s = r.median_step_s();
   if (!(step_s > 0)) return std::nullopt;
   const auto lost_before = [&](std::size_t i) -> std::int64_t {
@@ -144,19 +123,23 @@ std::optional<io::Recording> with_lost_rows(const io::Recording& r) {
   std::int64_t lost = 0;
   for (std::size_t i = 1; i < r.size(); ++i) lost += lost_before(i);
   if (lost == 0 || lost > static_cast<std::int64_t>(r.size())) return std::nullopt;  // no even clock at all
-  io::Recording out;
-  out.header = r.header, out.issues = r.issues;
-  out.acc_in_counts = r.acc_in_counts, out.gyr_in_counts = r.gyr_in_counts, out.mag_in_counts = r.mag_in_counts;
+  io::Recording out = detail::without_rows(r);
   const auto step_ns = static_cast<std::int64_t>(1e9 * step_s);
   for (std::size_t i = 0; i < r.size(); ++i) {
     for (std::int64_t k = i == 0 ? 0 : lost_before(i); k > 0; --k) {
-      out.t_ns.push_back(r.t_ns[i] - k * step_ns);
-      each_column(r, out, [](const auto& from, auto& to) { Splice::nothing(from, to); });
+      detail::append_empty_row(r, r.t_ns[i] - k * step_ns, out);
     }
-    out.t_ns.push_back(r.t_ns[i]);
-    each_column(r, out, [i](const auto& from, auto& to) { Splice::row(from, i, to); });
+    detail::append_row(r, i, out);
   }
   return out;
+}
+
+double even_step_s(const io::Recording& r) {
+  const double longest_s = kLost * r.median_step_s();
+  std::int64_t sum_ns = 0, count = 0;
+  for (std::size_t i = 1; i < r.size(); ++i)
+    if (r.t_s(i) - r.t_s(i - 1) <= longest_s) sum_ns += r.t_ns[i] - r.t_ns[i - 1], ++count;
+  return count == 0 ? 0.0 : 1e-9 * (static_cast<double>(sum_ns) / static_cast<double>(count));
 }
 
 }  // namespace stillpoint::diag

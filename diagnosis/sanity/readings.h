@@ -20,4 +20,8 @@ namespace stillpoint::diag {
 /// must not join what was apart. None when no row was lost.
 [[nodiscard]] std::optional<io::Recording> with_lost_rows(const io::Recording& recording);
 
+/// Seconds from row to row of the even clock behind the time stamps: the mean of the steps over which nothing was lost.
+/// Where stamps are rounded or jitter, the median step is off by percents, and every derivative with it.
+[[nodiscard]] double even_step_s(const io::Recording& recording);
+
 }  // namespace stillpoint::diag
