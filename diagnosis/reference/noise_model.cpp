@@ -8,8 +8,7 @@ namespace stillpoint::diag {
 namespace {
 
 constexpr double kFewestRegime_s = 8.0;  // less than this of one regime gives no autoregression of its own
-constexpr double kLeastCounted =
-    0.5;  // of the valid samples: where no filter of 16 fits between the holes, none is used
+constexpr double kLeastCounted = 0.5;    // of the valid samples: a filter that leaves fewer between the holes is halved
 
 /// Levinson-Durbin on autocorrelations of lag 0..order. Returns the prediction coefficients.
 Eigen::VectorXd levinson(const Eigen::VectorXd& r) {
@@ -28,6 +27,34 @@ Eigen::VectorXd levinson(const Eigen::VectorXd& r) {
   return a;
 }
 
+/// Of lag 0..order, over the recording; missing samples are 0. That keeps the filter stable and takes nothing away
+/// while holes are few. Where so many are that the filter had to be shortened, it is over the pairs that are there
+/// (Parzen, Sankhya A 25, 1963): without that the memory of a camera's noise is underestimated, and the rest passes for
+/// physics.
+Eigen::VectorXd autocorrelation(const Layout& layout, const Eigen::ArrayXd& x) {
+  const Eigen::ArrayXd there = (x != 0.0).cast<double>();
+  Eigen::VectorXd r(layout.order + 1);
+  for (Eigen::Index lag = 0; lag <= layout.order; ++lag) {
+    r[lag] = (x.head(layout.n - lag) * x.tail(layout.n - lag)).sum();
+    if (layout.order < kAutoregressiveOrder)
+      r[lag] *= there.sum() / std::max((there.head(layout.n - lag) * there.tail(layout.n - lag)).sum(), 1.0);
+  }
+  return r;
+}
+
+/// A sample counts when it is there with all that the filter takes before it.
+void count_samples(Layout& layout) {
+  layout.counts = layout.present;
+  for (const Segment& g : layout.segments) {
+    Eigen::Index since_break = 0;
+    for (Eigen::Index i = g.begin; i < g.end; ++i) {
+      if (layout.present[i] == 0.0) since_break = -1;
+      if (since_break < layout.order) layout.counts[i] = 0.0;
+      ++since_break;
+    }
+  }
+}
+
 }  // namespace
 
 Layout make_layout(const Signals& s, Sensor sensor) {
@@ -43,20 +70,17 @@ Layout make_layout(const Signals& s, Sensor sensor) {
   const bool split =
       !s.exact_reference && static_cast<double>(resting) > fewest && static_cast<double>(s.n - resting) > fewest;
   layout.regimes = split ? 2 : 1;
-  layout.counts = layout.present;
   const auto regime_of = [&](Eigen::Index i) { return split && s.rest[static_cast<std::size_t>(i)] ? 1 : 0; };
-  Eigen::Index since_break = 0;
   for (Eigen::Index i = 0; i < s.n; ++i) {
-    if (i == 0 || regime_of(i) != layout.segments.back().regime) {
-      if (i > 0) layout.segments.back().end = i;
-      layout.segments.push_back({i, s.n, regime_of(i)});
-      since_break = 0;
-    }
-    if (layout.present[i] == 0.0) since_break = -1;
-    if (since_break < layout.order) layout.counts[i] = 0.0;
-    ++since_break;
+    if (i > 0 && regime_of(i) == layout.segments.back().regime) continue;
+    if (i > 0) layout.segments.back().end = i;
+    layout.segments.push_back({i, s.n, regime_of(i)});
   }
-  if (layout.used() < kLeastCounted * layout.present.sum()) layout.order = 0, layout.counts = layout.present;
+  for (; layout.order > 0; layout.order /= 2) {
+    count_samples(layout);
+    if (layout.used() >= kLeastCounted * layout.present.sum()) return layout;
+  }
+  layout.counts = layout.present;
   return layout;
 }
 
@@ -68,8 +92,7 @@ NoiseModel::NoiseModel(const Layout& layout, const Series3& leftover) : inverse_
         if (g.regime == regime)
           x.segment(g.begin, g.end - g.begin) = leftover.col(axis).segment(g.begin, g.end - g.begin).array() *
                                                 layout.present.segment(g.begin, g.end - g.begin);
-      Eigen::VectorXd r(layout.order + 1);
-      for (int lag = 0; lag <= layout.order; ++lag) r[lag] = (x.head(layout.n - lag) * x.tail(layout.n - lag)).sum();
+      Eigen::VectorXd r = autocorrelation(layout, x);
       r[0] = r[0] * (1.0 + 1e-9) + 1e-300;
       coefficients_[static_cast<std::size_t>(regime)][static_cast<std::size_t>(axis)] = levinson(r);
     }

@@ -97,7 +97,7 @@ bool enough_to_compare(Signals& s) {
     if (!s.present[k])
       s.notices.push_back(fmt::format(
           "{}: only {} of {} rows stand beside a reference without a break: rows were lost, or the reference "
-          "is slower than the sensor and has to be interpolated to its rows",
+          "has too few frames a second to know the motion between them",
           kSensorName[k], rows, s.n));
   }
   return any;

@@ -29,20 +29,6 @@ bool holds_quaternions(const io::Recording& r, Sanity& out) {
   return !out.reference_unusable;
 }
 
-/// Share of the turning rows in which the reference repeats the row before, although it moves on around there.
-double held_share(const io::Recording& r) {
-  constexpr double kTurning_radps = 0.3;
-  constexpr std::size_t kAround = 10;
-  const auto& q = r.ref_q_world_body;
-  double turning = 0, held = 0;
-  for (std::size_t i = kAround; i + kAround < r.size() && !r.gyr_radps.empty(); ++i) {
-    if (!q[i].allFinite() || !(r.gyr_radps[i].norm() > kTurning_radps)) continue;
-    turning += 1;
-    held += q[i] == q[i - 1] && q[i + kAround] != q[i - kAround];
-  }
-  return turning < 100 ? 0.0 : held / turning;
-}
-
 /// The field as the sensors see it in the world of the reference, against the one of the simulation. A motion-capture
 /// world has its own heading, and then no calibration of the body's axes can help.
 void check_heading(const Comparison& c, const sim::SimulationConfig& config, Sanity& out) {
@@ -78,11 +64,6 @@ bool only_the_accelerometer_differs(const Comparison& c, Sanity& out) {
 
 void name_the_mistake(const Comparison& c, const io::Recording& r, Sanity& out) {
   const auto before = out.mistakes.size();
-  if (const double held = held_share(r); held > 0.5)
-    return refuse_reference(out, fmt::format("in {:.0f} % of the turning rows it repeats the row before: it is slower "
-                                             "than the sensors and was filled up; leave its fields empty between its "
-                                             "own frames, or interpolate them",
-                                             100 * held));
   check_lateness(c, r, out);
   if (out.mistakes.size() > before) return;
   const char* convention = name_convention(c, out, !r.ref_position_m.empty());

@@ -168,11 +168,8 @@ TEST(Sanity, DoesNotBlameThePositionForAScale) {
   EXPECT_THAT(checked(r).mistakes, testing::IsEmpty());
 }
 
-TEST(Sanity, NamesAReferenceThatIsHeldOrOfATurnedBody) {
+TEST(Sanity, NamesAReferenceOfATurnedBody) {
   auto r = tumbling();
-  for (std::size_t i = 0; i < r.size(); ++i) r.ref_q_world_body[i] = r.ref_q_world_body[i - i % 5];
-  expect_notice(checked(r), "repeats the row before");
-  r = tumbling();
   for (auto* readings : {&r.acc_mps2, &r.gyr_radps, &r.mag_uT})
     for (Vec3& y : *readings) y = Vec3(-y.x(), -y.y(), y.z());
   EXPECT_TRUE(checked(r).reference_unusable);

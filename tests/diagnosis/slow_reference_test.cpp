@@ -1,0 +1,130 @@
+/// A reference that is slower than the sensors, in every form that recordings have it, and clocks that are not even:
+/// the answer is that of the same recording without them.
+#include <gmock/gmock.h>
+
+#include <cmath>
+#include <random>
+
+#include "diagnosis/sanity/readings.h"
+#include "diagnosis/sanity/rows_with_reference.h"
+#include "tests/diagnosis/simulated.h"
+
+namespace stillpoint::diag {
+namespace {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::IsEmpty;
+
+const test::Parameters kThermal{{"k_radps_per_K", {6e-4, -3e-4, 2e-4}}};
+
+io::Recording recorded(const std::string& reference, const std::string& id = "", const test::Parameters& p = {}) {
+  auto config = test::baseline(reference, 60.0);
+  config.environment.temperature = {.kind = "warm_up", .start_degC = 22.0, .rise_K = 12.0, .tau_s = 40.0};
+  return test::record(config, id, p, 41);
+}
+
+void forget(io::Recording& r, std::size_t row) {
+  r.ref_q_world_body[row].setConstant(io::kMissing), r.ref_position_m[row].setConstant(io::kMissing);
+}
+
+io::Recording with_frames_on_every(std::size_t step, io::Recording r) {
+  for (std::size_t i = 0; i < r.size(); ++i)
+    if (i % step != 0) forget(r, i);
+  return r;
+}
+
+io::Recording held_over(std::size_t step, io::Recording r) {
+  for (std::size_t i = 0; i < r.size(); ++i)
+    r.ref_q_world_body[i] = r.ref_q_world_body[i - i % step], r.ref_position_m[i] = r.ref_position_m[i - i % step];
+  return r;
+}
+
+/// Each frame in a row of its own, a nanosecond before the row of the sensors.
+io::Recording with_rows_of_its_own(const io::Recording& r) {
+  io::Recording out;
+  const Vec3 nothing = Vec3::Constant(io::kMissing);
+  for (std::size_t i = 2; i < r.size(); ++i) {
+    if (i % 2 == 0) {
+      out.t_ns.push_back(r.t_ns[i] - 1), out.temp_degC.push_back(io::kMissing);
+      out.acc_mps2.push_back(nothing), out.gyr_radps.push_back(nothing), out.mag_uT.push_back(nothing);
+      out.ref_q_world_body.push_back(r.ref_q_world_body[i]), out.ref_position_m.push_back(r.ref_position_m[i]);
+    }
+    out.t_ns.push_back(r.t_ns[i]), out.temp_degC.push_back(r.temp_degC[i]);
+    out.acc_mps2.push_back(r.acc_mps2[i]), out.gyr_radps.push_back(r.gyr_radps[i]), out.mag_uT.push_back(r.mag_uT[i]);
+    out.ref_q_world_body.push_back(Eigen::Vector4d::Constant(io::kMissing)), out.ref_position_m.push_back(nothing);
+  }
+  return out;
+}
+
+TEST(SlowReference, IsInterpolatedBetweenItsFramesAndNotAcrossABreak) {
+  const io::Recording whole = recorded("exact");
+  io::Recording slow = with_frames_on_every(2, whole);
+  for (std::size_t i = 1000; i < 1050; ++i) forget(slow, i);
+  for (std::size_t i = 0; i < slow.size(); i += 6) slow.ref_q_world_body[i] *= -1.0;
+  std::vector<std::string> notices;
+  const auto out = rows_with_reference(slow, notices);
+  ASSERT_TRUE(out);
+  EXPECT_THAT(notices, ElementsAre(HasSubstr("25 frames a second beside 50 rows")));
+  ASSERT_EQ(out->size(), whole.size());
+  for (std::size_t i = 20; i + 20 < whole.size(); ++i) {
+    const bool away = i < 980 || i > 1070;
+    if (i > 1000 && i < 1049) {
+      EXPECT_FALSE(out->ref_q_world_body[i].allFinite()) << i;
+    } else if (away) {  // 3e-5 rad is what a gyroscope of 0.001 rad/s turns by in a row and a half
+      EXPECT_GT(std::abs(out->ref_q_world_body[i].dot(whole.ref_q_world_body[i])), 1.0 - 1e-10) << i;
+      EXPECT_LT((out->ref_position_m[i] - whole.ref_position_m[i]).norm(), 1e-5) << i;
+    }
+  }
+}
+
+TEST(SlowReference, EveryFormOfItGivesTheAnswerOfTheWholeOne) {
+  for (const std::string reference : {"exact", "mocap"}) {
+    const auto config = test::baseline(reference, 60.0);
+    const io::Recording clean = recorded(reference), warm = recorded(reference, "gyr_temp_lin", kThermal);
+    EXPECT_THAT(test::names(diagnose(with_frames_on_every(2, clean), config)), IsEmpty()) << reference;
+    EXPECT_THAT(test::names(diagnose(held_over(2, clean), config)), IsEmpty()) << reference;
+    EXPECT_THAT(test::names(diagnose(with_frames_on_every(3, warm), config)), ElementsAre("gyr_temp_lin")) << reference;
+    EXPECT_THAT(test::names(diagnose(held_over(2, warm), config)), ElementsAre("gyr_temp_lin")) << reference;
+    EXPECT_THAT(test::names(diagnose(with_rows_of_its_own(warm), config)), ElementsAre("gyr_temp_lin")) << reference;
+  }
+}
+
+TEST(SlowReference, TooFewFramesAreNotInterpolated) {
+  const auto config = test::baseline("exact", 60.0);
+  const Answer answer = diagnose(held_over(10, recorded("exact")), config);
+  EXPECT_EQ(answer.diagnosis.verdict, Verdict::kInsufficientData);
+  EXPECT_THAT(answer.diagnosis.notices, testing::Contains(HasSubstr("too few to know the motion between them")));
+}
+
+/// Stamps in whole milliseconds of a clock of 120 Hz: 8, 8, 9, ...; their median is 4 % off.
+TEST(EvenStep, IsTheMeanWhereStampsAreRounded) {
+  auto config = test::baseline("exact", 30.0);
+  config.rate_hz = 120.0;
+  io::Recording r = test::record(config, "", {}, 3);
+  for (auto& t : r.t_ns) t = (t + 500'000) / 1'000'000 * 1'000'000;
+  EXPECT_NEAR(r.median_step_s(), 0.008, 1e-12);
+  EXPECT_NEAR(even_step_s(r), 1.0 / 120.0, 1e-6);
+  EXPECT_THAT(test::names(diagnose(r, config)), IsEmpty());
+}
+
+TEST(EvenStep, LeavesOutWhatWasLost) {
+  io::Recording r = recorded("exact");
+  for (std::size_t i = 500; i < r.size(); ++i) r.t_ns[i] += 5'000'000'000;
+  EXPECT_DOUBLE_EQ(even_step_s(r), 0.02);
+}
+
+TEST(LostRows, NowAndThenAndAtRandomAreNoPhysics) {
+  const auto config = test::baseline("mocap", 60.0);
+  std::mt19937 random(4);
+  io::Recording r = recorded("mocap", "gyr_temp_lin", kThermal);
+  for (std::size_t i = 0; i < r.size(); ++i) {  // single values that the writer could not print
+    if (random() % 100 == 0) forget(r, i);
+    if (random() % 100 == 0) r.gyr_radps[i].setConstant(io::kMissing);
+    if (random() % 100 == 0) r.acc_mps2[i].setConstant(io::kMissing);
+  }
+  EXPECT_THAT(test::names(diagnose(r, config)), ElementsAre("gyr_temp_lin"));
+}
+
+}  // namespace
+}  // namespace stillpoint::diag
