@@ -19,7 +19,7 @@ struct Options {
 };
 
 /// Rows [first, last) of the longest stretch without motion: one-second blocks whose standard deviation stays within
-/// four times that of the quietest quarter.
+/// four times that of the quietest quarter. Pre: dt_s > 0.
 std::pair<std::size_t, std::size_t> longest_rest(const io::Recording& r, double dt_s) {
   constexpr double kMovingOverQuiet = 4.0;
   const std::vector<Vec3>& x = r.gyr_radps.empty() ? r.acc_mps2 : r.gyr_radps;
@@ -100,12 +100,12 @@ int noise(const Options& options) {
   const auto recording = io::read_recording(options.recording);
   if (!recording) return report(recording.error());
   const double dt_s = recording->median_step_s();
-  const auto [first, last] = longest_rest(*recording, dt_s);
-  const double seconds = static_cast<double>(last - first) * dt_s, rate_hz = 1.0 / dt_s;
-  if (last - first < 100 || dt_s <= 0)
+  const auto [first, last] = dt_s > 0.0 ? longest_rest(*recording, dt_s) : std::pair<std::size_t, std::size_t>{};
+  if (last - first < 100)
     return report({ErrorKind::kBadData, fmt::format("{}: the longest stretch at rest has {} samples; at least 100 are "
                                                     "needed, an hour serves bias instability",
                                                     options.recording, last - first)});
+  const double seconds = static_cast<double>(last - first) * dt_s, rate_hz = 1.0 / dt_s;
   if (last - first < recording->size())
     std::fprintf(stderr, "notice: the recording moves; only its longest rest, %.1f s to %.1f s, is used\n",
                  recording->t_s(first) - recording->t_s(0), recording->t_s(last - 1) - recording->t_s(0));

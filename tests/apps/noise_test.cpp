@@ -49,5 +49,12 @@ TEST(NoiseCommand, ItsBlockIsASimulationOfTheSensorMeasured) {
   EXPECT_THAT(read_file(folder / "allan.svg"), ::testing::HasSubstr("overlapping Allan deviation"));
 }
 
+TEST(NoiseCommand, ARecordingWithoutATimeStepIsTooShort) {
+  const ScratchFolder folder;
+  write_file(folder / "one.csv", "time_s,acc_x_mps2,acc_y_mps2,acc_z_mps2\n0,1,2,3\n");
+  EXPECT_EQ(run(kTool + " noise --recording " + (folder / "one.csv"), folder / "err"), 65);
+  EXPECT_THAT(read_file(folder / "err"), ::testing::HasSubstr("has 0 samples; at least 100 are needed"));
+}
+
 }  // namespace
 }  // namespace stillpoint::test
