@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 
 namespace stillpoint::io {
 
@@ -81,34 +80,33 @@ void format_row(const Recording& r, std::size_t i, fmt::memory_buffer& out) {
   out.push_back('\n');
 }
 
-Result<void> write_rows(const Recording& r, const std::string& path, const char* mode) {
-  std::FILE* file = std::fopen(path.c_str(), mode);
-  if (file == nullptr)
-    return fail(ErrorKind::kCannotCreate, fmt::format("{}: cannot be created; does the folder exist?", path));
-  fmt::memory_buffer out;
-  if (*mode == 'w') format_header(r, out);
-  bool written = true;
-  for (std::size_t i = 0; i < r.size(); ++i) {
-    format_row(r, i, out);
-    if (out.size() <= (1U << 20U)) continue;
-    written = written && std::fwrite(out.data(), 1, out.size(), file) == out.size();
-    out.clear();
-  }
-  written = written && std::fwrite(out.data(), 1, out.size(), file) == out.size();
-  written = std::fclose(file) == 0 && written;
-  if (!written)
-    return fail(ErrorKind::kCannotCreate, fmt::format("{}: could not be written whole; is the disk full?", path));
-  return {};
-}
+std::string_view view(const fmt::memory_buffer& text) { return {text.data(), text.size()}; }
 
 }  // namespace
 
-Result<void> write_recording(const Recording& recording, const std::string& path) {
-  return write_rows(recording, path, "wb");
+Result<void> write_header(const Recording& recording, OutputFile& file) {
+  fmt::memory_buffer out;
+  format_header(recording, out);
+  return file.write(view(out));
 }
 
-Result<void> append_recording(const Recording& recording, const std::string& path) {
-  return write_rows(recording, path, "ab");
+Result<void> write_rows(const Recording& recording, OutputFile& file) {
+  fmt::memory_buffer out;
+  for (std::size_t i = 0; i < recording.size(); ++i) {
+    format_row(recording, i, out);
+    if (out.size() <= (1U << 20U)) continue;
+    if (auto written = file.write(view(out)); !written) return written;
+    out.clear();
+  }
+  return file.write(view(out));
+}
+
+Result<void> write_recording(const Recording& recording, const std::string& path) {
+  auto file = OutputFile::create(path);
+  if (!file) return tl::unexpected(file.error());
+  if (auto written = write_header(recording, *file); !written) return written;
+  if (auto written = write_rows(recording, *file); !written) return written;
+  return file->flush();
 }
 
 std::vector<std::string> describe(const RecordingIssues& i) {

@@ -8,6 +8,7 @@
 
 #include "core/result.h"
 #include "core/types.h"
+#include "io/text_file.h"
 
 namespace stillpoint::io {
 
@@ -70,10 +71,12 @@ enum class OnMalformedRow { kFail, kCount };
 [[nodiscard]] Result<Recording> parse_recording(std::string_view text, const std::string& name,
                                                 OnMalformedRow policy = OnMalformedRow::kFail);
 
-/// Writes the non-empty columns. Fails (73) when the file cannot be created or the disk is full.
+/// Writes the non-empty columns; "-" is standard output. Fails with 73, as OutputFile.
 [[nodiscard]] Result<void> write_recording(const Recording& recording, const std::string& path);
-/// Rows after those of a file that write_recording began with the same columns.
-[[nodiscard]] Result<void> append_recording(const Recording& recording, const std::string& path);
+
+/// The same in parts: the header lines and the names of the non-empty columns, then rows of those very columns.
+[[nodiscard]] Result<void> write_header(const Recording& recording, OutputFile& file);
+[[nodiscard]] Result<void> write_rows(const Recording& recording, OutputFile& file);
 
 /// The irregularities in words, one a line, empty when there are none.
 [[nodiscard]] std::vector<std::string> describe(const RecordingIssues& issues);

@@ -8,17 +8,16 @@ namespace stillpoint::io {
 
 Result<RecordingStream> RecordingStream::create(const std::string& path,
                                                 const std::map<std::string, std::string>& header) {
-  std::FILE* file = std::fopen(path.c_str(), "wb");
-  if (file == nullptr)
-    return fail(ErrorKind::kCannotCreate, fmt::format("{}: cannot be created; does the folder exist?", path));
-  RecordingStream stream(path, file);
-  for (const auto& [key, value] : header) std::fprintf(file, "# %s: %s\n", key.c_str(), value.c_str());
-  std::fputs(
-      "time_ns,acc_x_mps2,acc_y_mps2,acc_z_mps2,gyr_x_radps,gyr_y_radps,gyr_z_radps,mag_x_uT,mag_y_uT,mag_z_uT,temp_"
-      "degC\n",
-      file);
-  if (auto done = stream.flush(); !done) return tl::unexpected(done.error());
-  return stream;
+  auto file = OutputFile::create(path);
+  if (!file) return tl::unexpected(file.error());
+  std::string text;
+  for (const auto& [key, value] : header) text += fmt::format("# {}: {}\n", key, value);
+  text +=
+      "time_ns,acc_x_mps2,acc_y_mps2,acc_z_mps2,gyr_x_radps,gyr_y_radps,gyr_z_radps,mag_x_uT,mag_y_uT,mag_z_uT,"
+      "temp_degC\n";
+  if (auto written = file->write(text); !written) return tl::unexpected(written.error());
+  if (auto written = file->flush(); !written) return tl::unexpected(written.error());
+  return RecordingStream(std::move(*file));
 }
 
 Result<void> RecordingStream::append(const RawSample& sample) {
@@ -38,16 +37,8 @@ Result<void> RecordingStream::append(const RawSample& sample) {
     fmt::format_to(to, ",{}\n", sample.temp_degC);
   else
     fmt::format_to(to, ",\n");
-  if (std::fwrite(row.data(), 1, row.size(), file_.get()) != row.size())
-    return fail(ErrorKind::kCannotCreate,
-                fmt::format("{}: row {} could not be written; is the disk full?", path_, rows_ + 1));
+  if (auto written = file_.write({row.data(), row.size()}); !written) return written;
   ++rows_;
-  return {};
-}
-
-Result<void> RecordingStream::flush() {
-  if (std::fflush(file_.get()) != 0)
-    return fail(ErrorKind::kCannotCreate, fmt::format("{}: could not be written; is the disk full?", path_));
   return {};
 }
 

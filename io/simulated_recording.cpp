@@ -47,24 +47,38 @@ Recording to_recording(const std::vector<sim::SimulatedSample>& rows) {
   return out;
 }
 
-SimulatedRecordingFile::SimulatedRecordingFile(std::string path, const sim::SimulationConfig& c)
-    : path_(std::move(path)),
+SimulatedRecordingFile::SimulatedRecordingFile(OutputFile file, const sim::SimulationConfig& c)
+    : file_(std::move(file)),
       has_{c.accelerometer.has_value(), c.gyroscope.has_value(), c.magnetometer.has_value()},
       part_(to_recording({})) {}
+
+Result<SimulatedRecordingFile> SimulatedRecordingFile::create(const std::string& path,
+                                                              const sim::SimulationConfig& config) {
+  auto file = OutputFile::create(path);
+  if (!file) return tl::unexpected(file.error());
+  return SimulatedRecordingFile(std::move(*file), config);
+}
 
 Result<void> SimulatedRecordingFile::add(const sim::SimulatedSample& row) {
   constexpr std::size_t kRowsOfAPart = 50'000;
   append(row, part_);
-  return part_.size() < kRowsOfAPart ? Result<void>{} : finish();
+  return part_.size() < kRowsOfAPart ? Result<void>{} : write_part();
 }
 
-Result<void> SimulatedRecordingFile::finish() {
+Result<void> SimulatedRecordingFile::write_part() {
   std::vector<Vec3>* columns[] = {&part_.acc_mps2, &part_.gyr_radps, &part_.mag_uT};
   for (std::size_t i = 0; i < 3; ++i)
     if (has_[i]) columns[i]->resize(part_.size(), Vec3::Constant(kMissing));
-  auto done = std::exchange(begun_, true) ? append_recording(part_, path_) : write_recording(part_, path_);
+  if (!std::exchange(begun_, true))
+    if (auto written = write_header(part_, file_); !written) return written;
+  auto written = write_rows(part_, file_);
   part_ = {};
-  return done;
+  return written;
+}
+
+Result<void> SimulatedRecordingFile::finish() {
+  if (auto written = write_part(); !written) return written;
+  return file_.flush();
 }
 
 sim::ReferenceTrack reference_track(const Recording& r) {

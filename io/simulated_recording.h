@@ -15,16 +15,20 @@ void append(const sim::SimulatedSample& row, Recording& to);
 [[nodiscard]] Recording to_recording(const std::vector<sim::SimulatedSample>& rows);
 
 /// A file that simulated rows are written to as they come, a part at a time, so that memory does not grow with the
-/// length of the recording.
+/// length of the recording; "-" is standard output. Fails with 73, as OutputFile.
 class SimulatedRecordingFile {
  public:
-  SimulatedRecordingFile(std::string path, const sim::SimulationConfig& config);
+  [[nodiscard]] static Result<SimulatedRecordingFile> create(const std::string& path,
+                                                             const sim::SimulationConfig& config);
   [[nodiscard]] Result<void> add(const sim::SimulatedSample& row);
-  /// Writes what is left. Fails (73), as `add`, where the file cannot be written.
+  /// Writes what is left.
   [[nodiscard]] Result<void> finish();
 
  private:
-  std::string path_;
+  SimulatedRecordingFile(OutputFile file, const sim::SimulationConfig& config);
+  [[nodiscard]] Result<void> write_part();
+
+  OutputFile file_;
   bool has_[3];  ///< acc, gyr, mag: columns of the file, whether a part holds a reading of them or not
   bool begun_ = false;
   Recording part_;

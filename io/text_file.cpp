@@ -32,13 +32,36 @@ Result<std::string> read_text_file(const std::string& path, const std::string& w
 
 namespace {
 
-tl::unexpected<Error> not_writable(const std::string& what, int error) {
+tl::unexpected<Error> not_writable(const std::string& path, int error) {
   return fail(ErrorKind::kCannotCreate,
-              fmt::format("{}: cannot be written: {}; check the folder, its permissions and the disk", what,
-                          std::strerror(error)));
+              fmt::format("{}: cannot be written: {}; check the folder, its permissions and the disk",
+                          path == "-" ? "standard output" : path, std::strerror(error)));
 }
 
 }  // namespace
+
+Result<OutputFile> OutputFile::create(const std::string& path) {
+  std::FILE* file = path == "-" ? stdout : std::fopen(path.c_str(), "wb");
+  if (file == nullptr) return not_writable(path, errno);
+  return OutputFile(path, file);
+}
+
+Result<void> OutputFile::write(std::string_view text) {
+  if (std::fwrite(text.data(), 1, text.size(), file_.get()) != text.size()) return not_writable(path_, errno);
+  return {};
+}
+
+Result<void> OutputFile::flush() {
+  if (std::fflush(file_.get()) != 0) return not_writable(path_, errno);
+  return {};
+}
+
+Result<void> write_text_file(const std::string& path, std::string_view text) {
+  auto file = OutputFile::create(path);
+  if (!file) return tl::unexpected(file.error());
+  if (auto written = file->write(text); !written) return written;
+  return file->flush();
+}
 
 Result<void> expect_writable(const std::string& path) {
   namespace fs = std::filesystem;
@@ -49,15 +72,6 @@ Result<void> expect_writable(const std::string& path) {
   const std::string asked = fs::exists(path, unknown) ? path : folder.empty() ? "." : folder.string();
   if (access(asked.c_str(), W_OK) != 0) return not_writable(path, errno);
   return {};
-}
-
-Result<void> write_text_file(const std::string& path, std::string_view text) {
-  const bool standard = path == "-";
-  std::FILE* file = standard ? stdout : std::fopen(path.c_str(), "wb");
-  bool whole = file != nullptr && std::fwrite(text.data(), 1, text.size(), file) == text.size();
-  if (file != nullptr) whole = (standard ? std::fflush(file) : std::fclose(file)) == 0 && whole;
-  if (whole) return {};
-  return not_writable(standard ? "standard output" : path, errno);
 }
 
 }  // namespace stillpoint::io

@@ -72,7 +72,8 @@ int run_diagnose(const Options& o) {
   }
   if (!o.report.empty()) {
     const diag::ReportContext context{o.recording, o.simulation, o.validate, blocks};
-    if (const auto done = diag::write_report(answer.diagnosis, context, o.report); !done) return report(done.error());
+    if (const auto done = io::write_text_file(o.report, diag::report_html(answer.diagnosis, context)); !done)
+      return report(done.error());
   }
   if (!o.json.empty())
     if (const auto done = io::write_text_file(o.json, diag::to_json(answer.diagnosis)); !done)

@@ -3,7 +3,6 @@
 
 #include <array>
 #include <charconv>
-
 #include <nlohmann/json.hpp>
 
 #include "apps/stillpoint/commands.h"
@@ -64,26 +63,6 @@ void append_row(fmt::memory_buffer& out, const fusion::AttitudeEstimate& e) {
   out.append(line.data(), at);
 }
 
-class File {
- public:
-  explicit File(const std::string& path) : file_(path == "-" ? stdout : std::fopen(path.c_str(), "w")) {}
-  ~File() {
-    if (file_ != nullptr && file_ != stdout) std::fclose(file_);
-  }
-  File(const File&) = delete;
-  File& operator=(const File&) = delete;
-  explicit operator bool() const { return file_ != nullptr; }
-  bool write(fmt::memory_buffer& text) {
-    const bool all = std::fwrite(text.data(), 1, text.size(), file_) == text.size();
-    text.clear();
-    return all;
-  }
-  bool flush() { return std::fflush(file_) == 0; }
-
- private:
-  std::FILE* file_;
-};
-
 struct Summary {
   std::size_t rows = 0;
   fusion::AttitudeEstimate last;
@@ -91,26 +70,29 @@ struct Summary {
 
 Result<Summary> estimate(const io::Recording& recording, pipeline::Stages& stages, pipeline::DirectLink& link,
                          const std::string& path) {
-  File file(path);
-  if (!file)
-    return fail(ErrorKind::kCannotCreate, fmt::format("{}: cannot be created; check folder and permissions", path));
+  auto file = io::OutputFile::create(path);
+  if (!file) return tl::unexpected(file.error());
   constexpr std::size_t kChunk_bytes = 1 << 16;
-  const auto full = [&] {
-    return fail(ErrorKind::kCannotCreate, fmt::format("{}: cannot be written; is the disk full?", path));
-  };
   fmt::memory_buffer text;
   fmt::format_to(std::back_inserter(text),
                  "time_s,qw,qx,qy,qz,sigma_roll_rad,sigma_pitch_rad,sigma_yaw_rad,bias_x_radps,bias_y_radps,"
                  "bias_z_radps,at_rest,status\n");
+  const auto write = [&] {
+    auto written = file->write({text.data(), text.size()});
+    text.clear();
+    return written;
+  };
   Summary summary;
   pipeline::Processed out;
   for (std::size_t row = 0; row < recording.size(); ++row) {
     if (stages.process(recording.sample(row), out, link) == pipeline::StageStatus::kDrop) continue;
     append_row(text, out.attitude);
     ++summary.rows;
-    if (text.size() > kChunk_bytes && !file.write(text)) return full();
+    if (text.size() > kChunk_bytes)
+      if (auto written = write(); !written) return tl::unexpected(written.error());
   }
-  if (!file.write(text) || !file.flush()) return full();
+  if (auto written = write(); !written) return tl::unexpected(written.error());
+  if (auto written = file->flush(); !written) return tl::unexpected(written.error());
   summary.last = out.attitude;
   return summary;
 }

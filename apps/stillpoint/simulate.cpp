@@ -60,19 +60,20 @@ Json effect_json(const sim::EffectConfig& e, const sim::EffectStrength& s) {
 /// Writes the recording; gives the spans in which the body moved.
 Result<Json> write_simulated(const Options& o, const sim::SimulationConfig& config, const Scene& scene) {
   Json bouts = Json::array();
-  io::SimulatedRecordingFile file(o.output, config);
+  auto file = io::SimulatedRecordingFile::create(o.output, config);
+  if (!file) return tl::unexpected(file.error());
   sim::Simulator simulator(config, scene.motion, o.seed, scene.environment);
   bool moved = false;
   double since_s = 0.0, t_s = 0.0;
   for (sim::SimulatedSample row; simulator.next(row);) {
-    if (auto done = file.add(row); !done) return tl::unexpected(done.error());
+    if (auto done = file->add(row); !done) return tl::unexpected(done.error());
     t_s = 1e-9 * static_cast<double>(row.sample.t_ns);
     if (row.moving && !moved) since_s = t_s;
     if (!row.moving && moved) bouts.push_back({since_s, t_s});
     moved = row.moving;
   }
   if (moved) bouts.push_back({since_s, t_s});
-  if (auto done = file.finish(); !done) return tl::unexpected(done.error());
+  if (auto done = file->finish(); !done) return tl::unexpected(done.error());
   return bouts;
 }
 
@@ -123,7 +124,7 @@ void add_simulate(CLI::App& app, Run& run) {
   auto* command = app.add_subcommand("simulate", "Write the recording a simulated sensor would give");
   static Options o;
   command->add_option("--simulation", o.simulation, "simulation YAML")->required();
-  command->add_option("--output", o.output, "recording to write (.csv)")->required();
+  command->add_option("--output", o.output, "recording to write (.csv); - is standard output")->required();
   command->add_option("--truth", o.truth, "write what was applied, with the strength of each effect (.json)");
   command->add_option("--seed", o.seed, "seed of all random streams; 1 unless given")->check(between(0.0, 9e15));
   command->add_option("--motion", o.motion, "take motion and surroundings from this recording's columns (.csv)");

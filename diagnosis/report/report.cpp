@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
 #include <nlohmann/json.hpp>
 
 #include "diagnosis/report/svg.h"
@@ -247,14 +246,6 @@ std::string report_html(const Diagnosis& d, const ReportContext& context) {
   s += "</script><script>";
   s += embedded::page_js;
   return s + "</script></body></html>\n";
-}
-
-Result<void> write_report(const Diagnosis& diagnosis, const ReportContext& context, const std::string& path) {
-  std::ofstream file(path, std::ios::binary);
-  file << report_html(diagnosis, context);
-  file.close();
-  if (!file) return fail(ErrorKind::kCannotCreate, fmt::format("{}: cannot be written", path));
-  return {};
 }
 
 }  // namespace stillpoint::diag

@@ -3,7 +3,6 @@
 #pragma once
 #include <string>
 
-#include "core/result.h"
 #include "diagnosis/result.h"
 
 namespace stillpoint::diag {
@@ -16,9 +15,5 @@ struct ReportContext {
 };
 
 [[nodiscard]] std::string report_html(const Diagnosis& diagnosis, const ReportContext& context);
-
-/// Fails (73) when the file cannot be written.
-[[nodiscard]] Result<void> write_report(const Diagnosis& diagnosis, const ReportContext& context,
-                                        const std::string& path);
 
 }  // namespace stillpoint::diag
