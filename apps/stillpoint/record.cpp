@@ -1,6 +1,7 @@
 /// `stillpoint record`: writes what the sensor of a running daemon gives into a recording.
 #include <chrono>
 #include <mutex>
+#include <optional>
 #include <thread>
 #include <vector>
 
@@ -52,32 +53,22 @@ Result<void> append_all(const std::vector<RawSample>& batch, io::RecordingStream
     if (auto done = stream.append(sample); !done) return done;
     written.last = sample;
   }
-  return batch.empty() ? Result<void>{} : stream.flush();
+  return stream.flush();
 }
 
-int finish(const RecordOptions& options, const io::RecordingStream& stream, const Written& written, bool matched) {
-  if (stream.rows() == 0) {
-    std::remove(options.output.c_str());
-    return report({ErrorKind::kUnavailable, nothing_arrives(options.dds, options.dds.raw_topic, matched)});
-  }
+void say_what_was_written(const RecordOptions& options, const io::RecordingStream& stream, const Written& written) {
   std::fprintf(stderr, "%s: %llu rows, %.1f s, %llu lost on the way\n", options.output.c_str(),
                static_cast<unsigned long long>(stream.rows()),
                1e-9 * static_cast<double>(written.last.t_ns - written.first_ns),
                static_cast<unsigned long long>(written.lost));
-  return 0;
 }
 
 int record(const RecordOptions& options) {
-  auto stream = io::RecordingStream::create(
-      options.output, {{"source", "stillpointd, topic " + options.dds.raw_topic}, {"world_frame", "ENU"}});
-  if (!stream) return report(stream.error());
+  if (const auto writable = io::expect_writable(options.output); !writable) return report(writable.error());
   Inbox inbox;
   const auto subscriber = io::DdsSubscriber::create(
       options.dds, {.raw = [&inbox](const RawSample& sample, std::int64_t) { inbox.put(sample); }});
-  if (!subscriber) {
-    std::remove(options.output.c_str());
-    return report(subscriber.error());
-  }
+  if (!subscriber) return report(subscriber.error());
   stop_on_signals();
   using Clock = std::chrono::steady_clock;
   const auto seconds_since = [](Clock::time_point t) {
@@ -85,21 +76,31 @@ int record(const RecordOptions& options) {
   };
   const auto start = Clock::now();
   auto first_row = start;
+  std::optional<io::RecordingStream> stream;  // made with the first reading: until then what lies there stays
   Written written;
   std::vector<RawSample> batch;
   bool more = true;
   while (more) {
     std::this_thread::sleep_for(std::chrono::milliseconds(50));
-    more = !stop_asked() && (stream->rows() == 0 ? seconds_since(start) < options.timeout_s
-                                                 : options.seconds <= 0 || seconds_since(first_row) < options.seconds);
+    more = !stop_asked() && (!stream ? seconds_since(start) < options.timeout_s
+                                     : options.seconds <= 0 || seconds_since(first_row) < options.seconds);
     inbox.take_all(batch);
-    if (stream->rows() == 0 && !batch.empty()) {
+    if (batch.empty()) continue;
+    if (!stream) {
+      auto made = io::RecordingStream::create(
+          options.output, {{"source", "stillpointd, topic " + options.dds.raw_topic}, {"world_frame", "ENU"}});
+      if (!made) return report(made.error());
+      stream.emplace(std::move(*made));
       first_row = Clock::now();
       more = !stop_asked();
     }
     if (auto done = append_all(batch, *stream, written); !done) return report(done.error());
   }
-  return finish(options, *stream, written, (*subscriber)->publishers() > 0);
+  if (!stream)
+    return report({ErrorKind::kUnavailable,
+                   nothing_arrives(options.dds, options.dds.raw_topic, (*subscriber)->publishers() > 0)});
+  say_what_was_written(options, *stream, written);
+  return 0;
 }
 
 }  // namespace
@@ -108,7 +109,7 @@ void add_record(CLI::App& app, Run& run) {
   auto* command = app.add_subcommand("record", "Write what a running daemon's sensor gives into a recording");
   static RecordOptions options;
   add_dds_options(*command, options.dds);
-  command->add_option("--output", options.output, "recording to write (.csv)")->required();
+  command->add_option("--output", options.output, "recording to write (.csv); - is standard output")->required();
   command->add_option("--seconds", options.seconds, "end after this time; otherwise on Ctrl-C")
       ->check(between(0.01, 1e9));
   command->add_option("--timeout", options.timeout_s, "how long to wait for the first reading, s")
