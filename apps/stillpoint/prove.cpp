@@ -4,7 +4,6 @@
 
 #include <atomic>
 #include <filesystem>
-#include <fstream>
 #include <sstream>
 #include <thread>
 
@@ -37,12 +36,17 @@ struct Posed {
   std::vector<std::string> without;  ///< laws that the referee takes out of the solver's library
 };
 
-std::string read_file(const fs::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  std::ostringstream text;
-  text << file.rdbuf();
-  return text.str();
-}
+/// The folder of the solver's files, which goes with the object.
+struct Room {
+  explicit Room(fs::path folder) : path(std::move(folder)) {}
+  ~Room() {
+    std::error_code ignored;
+    fs::remove_all(path, ignored);
+  }
+  Room(const Room&) = delete;
+  Room& operator=(const Room&) = delete;
+  const fs::path path;
+};
 
 /// Runs `diagnose` of this very program as a process of its own, with its words going nowhere. A run that fails leaves
 /// no answer, which is scored as one.
@@ -114,11 +118,12 @@ Result<std::vector<Posed>> collect(const Options& o, const fs::path& room) {
   for (const auto& file : files) {
     const std::string id = file.stem().string();
     const fs::path truth_file = truths / (id + ".json");
-    const std::string text = read_file(truth_file);
-    const auto truth = diag::parse_truth(text, truth_file.string());
+    const auto text = io::read_text_file(truth_file.string(), "the truth of a case (.json)");
+    if (!text) return tl::unexpected(text.error());
+    const auto truth = diag::parse_truth(*text, truth_file.string());
     if (!truth) return tl::unexpected(truth.error());
     all.push_back({.id = id,
-                   .hash = diag::sha256(fmt::format("{}\n{}", id, text)),
+                   .hash = diag::sha256(fmt::format("{}\n{}", id, *text)),
                    .truth = *truth,
                    .nonce = "",
                    .recording = file,
@@ -150,12 +155,13 @@ Result<void> write_proof(const Options& o, const std::string& text, const std::v
 }
 
 int prove(const Options& o) {
+  if (const auto writable = io::expect_writable(o.report); !writable) return report(writable.error());
   std::string room_name = (fs::temp_directory_path() / "stillpoint-prove-XXXXXX").string();
   if (mkdtemp(room_name.data()) == nullptr)
     return report({ErrorKind::kCannotCreate, room_name + ": cannot be created"});
-  const fs::path room = room_name;
+  const Room room(room_name);
   std::printf("seals (SHA-256 of case, truth, nonce), printed before solving; salt \"%s\"\n", o.salt.c_str());
-  const auto posed = o.folder.empty() ? draw(o, room) : collect(o, room);
+  const auto posed = o.folder.empty() ? draw(o, room.path) : collect(o, room.path);
   if (!posed) return report(posed.error());
   std::fflush(stdout);
   solve_all(*posed);
@@ -163,9 +169,9 @@ int prove(const Options& o) {
   bool sealed = true;
   for (const auto& p : *posed) {
     sealed = sealed && (p.nonce.empty() || diag::seal(p.id, p.truth, p.nonce) == p.hash);
-    scores.push_back(diag::score_case(p.id, p.truth, nlohmann::json::parse(read_file(p.answer), nullptr, false)));
+    const std::string answer = io::read_text_file(p.answer.string(), "an answer (.json)").value_or("");
+    scores.push_back(diag::score_case(p.id, p.truth, nlohmann::json::parse(answer, nullptr, false)));
   }
-  fs::remove_all(room);
   const std::string text = o.limits ? diag::limit_tables(scores) : diag::tables(scores);
   std::printf("\n%s\n%s", sealed ? "opened: every truth matches its seal" : "a truth does not match its seal",
               text.c_str());
