@@ -1,11 +1,12 @@
 /// What the floors of bench/latency send: as many bytes as an Attitude has on the wire.
 #pragma once
 #include <stillpoint_idl/stillpoint.h>
-#include <time.h>
 
 #include <array>
 #include <atomic>
 #include <cstdint>
+
+#include "core/clock.h"
 
 namespace stillpoint::bench {
 
@@ -22,11 +23,5 @@ struct SharedRing {
   std::atomic<std::uint32_t> head{0};
   std::array<Payload, kSlots> slots{};
 };
-
-inline std::int64_t monotonic_ns() noexcept {
-  timespec now{};
-  clock_gettime(CLOCK_MONOTONIC, &now);
-  return std::int64_t{now.tv_sec} * 1'000'000'000 + now.tv_nsec;
-}
 
 }  // namespace stillpoint::bench

@@ -3,8 +3,10 @@
 #pragma once
 #include <array>
 #include <cstdint>
+#include <iterator>
 #include <limits>
 #include <string>
+#include <string_view>
 #include <type_traits>
 
 #include "core/calibration.h"
@@ -21,6 +23,18 @@ enum class AttitudeStatus : std::uint8_t {
 };
 
 enum class HeadingReference : std::uint8_t { kRelative, kMagnetic, kTrue };
+
+/// "unknown" for a number from the wire that is none of these.
+[[nodiscard]] constexpr std::string_view name(AttitudeStatus status) noexcept {
+  constexpr std::string_view kNames[] = {"initializing", "ok", "degraded", "stale"};
+  const auto i = static_cast<std::size_t>(status);
+  return i < std::size(kNames) ? kNames[i] : "unknown";
+}
+[[nodiscard]] constexpr std::string_view name(HeadingReference reference) noexcept {
+  constexpr std::string_view kNames[] = {"relative", "magnetic", "true"};
+  const auto i = static_cast<std::size_t>(reference);
+  return i < std::size(kNames) ? kNames[i] : "unknown";
+}
 
 /// One attitude. Trivially copyable, so it crosses rings and cells.
 struct AttitudeMessage {

@@ -58,20 +58,6 @@ geometry_msgs::msg::Vector3 vector3(const Array3& v, double scale = 1.0) {
   return out;
 }
 
-const char* word(AttitudeStatus status) {
-  switch (status) {
-    case AttitudeStatus::kInitializing:
-      return "initializing";
-    case AttitudeStatus::kOk:
-      return "ok";
-    case AttitudeStatus::kDegraded:
-      return "degraded";
-    case AttitudeStatus::kStale:
-      return "stale";
-  }
-  return "unknown";
-}
-
 }  // namespace
 
 void to_wire(const AttitudeMessage& in, msg::Attitude& out) noexcept {
@@ -243,7 +229,7 @@ void to_ros2(const DiagnosticsMessage& in, std::int64_t stamp_ns, diagnostic_msg
   const auto percentile = [&in](double p) {
     return fmt::format("{:.1f}", us(latency_percentile_ns(in.latency_counts, p)));
   };
-  add("status", word(in.status));
+  add("status", std::string(name(in.status)));
   add("rate_hz", fmt::format("{:.2f}", in.rate_hz));
   add("expected_rate_hz", fmt::format("{:.2f}", in.expected_rate_hz));
   add("samples", std::to_string(in.samples));

@@ -2,7 +2,6 @@
 
 #include <stillpoint_idl/ros2PubSubTypes.h>
 #include <stillpoint_idl/stillpointPubSubTypes.h>
-#include <time.h>
 
 #include <algorithm>
 #include <cstring>
@@ -10,6 +9,7 @@
 #include <string_view>
 #include <vector>
 
+#include "core/clock.h"
 #include "io/dds_convert.h"
 #include "io/dds_entities.h"
 
@@ -25,16 +25,10 @@ constexpr std::string_view kMagneticFieldHash = "e80f32f56a20486c9923008fc1a1db0
 constexpr std::string_view kDiagnosticArrayHash = "5a8a36efb05fb25070fa0fb3810290c0e6cd4862b54a8fb975a1ee8dc55a333e";
 constexpr int kRos2Depth = 10;  // the depth of rmw's default profile
 
-std::int64_t now_ns(clockid_t clock) noexcept {
-  timespec now{};
-  clock_gettime(clock, &now);
-  return std::int64_t{now.tv_sec} * 1'000'000'000 + now.tv_nsec;
-}
-
 /// CLOCK_REALTIME of an instant of CLOCK_MONOTONIC: ROS 2 stamps are in wall time. 0 means now.
-std::int64_t realtime_of(std::int64_t monotonic_ns) {
-  const std::int64_t realtime_now_ns = now_ns(CLOCK_REALTIME);
-  return monotonic_ns == 0 ? realtime_now_ns : realtime_now_ns - (now_ns(CLOCK_MONOTONIC) - monotonic_ns);
+std::int64_t realtime_of(std::int64_t t_monotonic_ns) {
+  const std::int64_t now_ns = clock_ns(CLOCK_REALTIME);
+  return t_monotonic_ns == 0 ? now_ns : now_ns - (monotonic_ns() - t_monotonic_ns);
 }
 
 dds::DataWriterQos ros2_writer_qos(std::string_view hash) {
@@ -121,7 +115,7 @@ bool DdsPublisher::publish(const AttitudeMessage& message) noexcept {
   void* out = &own;
   // Fast DDS lends memory that lies four bytes off an eight-byte boundary: copied into, never used as an object.
   if (impl_->loan && impl_->attitude->loan_sample(out) != Code::RETCODE_OK) return false;
-  own.t_publish_ns(now_ns(CLOCK_MONOTONIC));
+  own.t_publish_ns(monotonic_ns());
   if (impl_->loan) std::memcpy(out, static_cast<const void*>(&own), sizeof own);
   // Fast DDS guards what it shares between processes by a lock with a time limit of 1 s: where a reader was killed or
   // stopped inside, the write throws. That sample is lost, the publisher is not.
@@ -145,7 +139,7 @@ bool DdsPublisher::publish_calibration(const CalibrationMessage& message) {
 }
 
 bool DdsPublisher::publish_diagnostics(const DiagnosticsMessage& message) {
-  const std::int64_t t_ns = now_ns(CLOCK_MONOTONIC);
+  const std::int64_t t_ns = monotonic_ns();
   to_wire(message, impl_->diagnostics_message);
   impl_->diagnostics_message.t_publish_ns(t_ns);
   const bool written = impl_->diagnostics->write(&impl_->diagnostics_message);
@@ -173,12 +167,12 @@ int DdsPublisher::attitude_subscribers() const {
 Neighbours DdsPublisher::neighbours() const { return impl_->hot->neighbours(); }
 
 bool DdsPublisher::wait_for_acknowledgements(double timeout_s) {
-  const auto end_ns = now_ns(CLOCK_MONOTONIC) + static_cast<std::int64_t>(1e9 * timeout_s);
+  const auto end_ns = monotonic_ns() + static_cast<std::int64_t>(1e9 * timeout_s);
   bool all = true;
   for (auto* writer :
        {impl_->raw, impl_->calibration, impl_->diagnostics, impl_->imu, impl_->mag, impl_->ros2_diagnostics}) {
     if (writer == nullptr) continue;
-    const auto left_ns = std::max<std::int64_t>(0, end_ns - now_ns(CLOCK_MONOTONIC));
+    const auto left_ns = std::max<std::int64_t>(0, end_ns - monotonic_ns());
     const eprosima::fastrtps::Duration_t left(static_cast<std::int32_t>(left_ns / 1'000'000'000),
                                               static_cast<std::uint32_t>(left_ns % 1'000'000'000));
     all = writer->wait_for_acknowledgments(left) == Code::RETCODE_OK && all;

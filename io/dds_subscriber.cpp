@@ -1,11 +1,11 @@
 #include "io/dds_subscriber.h"
 
 #include <stillpoint_idl/stillpointPubSubTypes.h>
-#include <time.h>
 
 #include <atomic>
 #include <fastdds/dds/subscriber/SampleInfo.hpp>
 
+#include "core/clock.h"
 #include "io/dds_convert.h"
 #include "io/dds_entities.h"
 
@@ -13,12 +13,6 @@ namespace stillpoint::io {
 namespace {
 
 using Code = eprosima::fastrtps::types::ReturnCode_t;
-
-std::int64_t monotonic_ns() noexcept {
-  timespec now{};
-  clock_gettime(CLOCK_MONOTONIC, &now);
-  return std::int64_t{now.tv_sec} * 1'000'000'000 + now.tv_nsec;
-}
 
 /// Takes what has arrived and hands it on; one wire message object a topic, reused.
 template <class Wire, class Deliver>

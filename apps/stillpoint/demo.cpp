@@ -15,6 +15,7 @@
 #include "apps/stillpoint/demo_score.h"
 #include "apps/stillpoint/demo_stage.h"
 #include "apps/stillpoint/watch_model.h"
+#include "core/clock.h"
 #include "core/units.h"
 #include "io/config.h"
 #include "io/dds_subscriber.h"
@@ -50,12 +51,8 @@ struct Listener {
 /// Standard output is the JSON's alone.
 bool is_quiet(const DemoOptions& options) { return options.json == "-"; }
 
-std::int64_t now_ns() {
-  return std::chrono::duration_cast<std::chrono::nanoseconds>(Clock::now().time_since_epoch()).count();
-}
-
 void show(Listener& listener, const DemoStage& stage, bool terminal) {
-  const WatchState state = listener.model.state(now_ns());
+  const WatchState state = listener.model.state(monotonic_ns());
   double error_rad = 0.0, t_s = 0.0;
   {
     const std::scoped_lock lock(listener.mutex);
@@ -161,7 +158,7 @@ int demo(const DemoOptions& options) {
   if (const auto r = follow(*daemon, listener, *stage, options); !r) return report(r.error());
   const AttitudeScore without = score_without_learning(stage->recording, *config);
   const std::scoped_lock lock(listener.mutex);
-  const WatchState state = listener.model.state(now_ns());
+  const WatchState state = listener.model.state(monotonic_ns());
   if (!is_quiet(options)) print_result(options, *stage, listener.score, without, state);
   if (options.json) {
     const auto json = result_json(options, *stage, listener.score, without, state);

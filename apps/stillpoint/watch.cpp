@@ -1,5 +1,4 @@
 /// `stillpoint watch`: the live attitude, calibration and latency of a running daemon, in the terminal or as JSON.
-#include <time.h>
 #include <unistd.h>
 
 #include <chrono>
@@ -8,6 +7,7 @@
 #include "apps/stillpoint/commands.h"
 #include "apps/stillpoint/dds_options.h"
 #include "apps/stillpoint/watch_model.h"
+#include "core/clock.h"
 #include "io/dds_subscriber.h"
 #include "io/text_file.h"
 
@@ -21,12 +21,6 @@ struct WatchOptions {
   double seconds = 0.0;  ///< 0: until interrupted; with once 1 s
   double timeout_s = 10.0;
 };
-
-std::int64_t monotonic_ns() {
-  timespec now{};
-  clock_gettime(CLOCK_MONOTONIC, &now);
-  return std::int64_t{now.tv_sec} * 1'000'000'000 + now.tv_nsec;
-}
 
 /// Sleeps in short steps until the condition holds, the time is up or a signal came. True: the condition holds.
 template <class Condition>

@@ -13,21 +13,9 @@ namespace {
 constexpr std::array kSensorName{"acc", "gyr", "mag"};
 constexpr std::array kSensorUnit{"m/s^2", "deg/s", "uT"};
 
-const char* word(AttitudeStatus status) {
-  constexpr std::array words{"initializing", "ok", "degraded", "stale"};
-  const auto i = static_cast<std::size_t>(status);
-  return i < words.size() ? words[i] : "unknown";
-}
-const char* word(HeadingReference reference) {
-  constexpr std::array words{"relative", "magnetic", "true"};
-  const auto i = static_cast<std::size_t>(reference);
-  return i < words.size() ? words[i] : "unknown";
-}
-const char* word(CalibrationStatus status) {
-  constexpr std::array words{"factory", "ok",    "too_few_windows", "not_observable", "not_positive_definite",
-                             "clipped", "stuck", "replaced"};
-  const auto i = static_cast<std::size_t>(status);
-  return i < words.size() ? words[i] : "unknown";
+/// From the wire any number may come.
+std::string_view word(CalibrationStatus status) {
+  return status <= CalibrationStatus::kReplaced ? name(status) : "unknown";
 }
 
 /// Roll, pitch, yaw (rad) in the order z, y, x of REP-103; yaw 0 is east, counter-clockwise positive.
@@ -105,8 +93,8 @@ nlohmann::json attitude_json(const AttitudeMessage& m) {
           {"rate_radps", numbers(m.rate_radps)},
           {"gyro_bias_radps", numbers(m.gyro_bias_radps)},
           {"at_rest", m.at_rest},
-          {"status", word(m.status)},
-          {"heading_reference", word(m.heading_reference)},
+          {"status", name(m.status)},
+          {"heading_reference", name(m.heading_reference)},
           {"temperature_degC", number(m.temp_degC)},
           {"calibration_version", m.calibration_version}};
 }
@@ -136,8 +124,8 @@ std::string text_view(const WatchState& s) {
   const Vec3 rpy = kDegPerRad * roll_pitch_yaw(m.q_world_body_xyzw);
   const auto& sigma = m.sigma_rpy_rad;
   std::string out =
-      fmt::format("t {:.2f} s   {}   {}   heading {}   {}\n", 1e-9 * static_cast<double>(m.t_ns), word(m.status),
-                  m.at_rest ? "AT REST" : "moving ", word(m.heading_reference),
+      fmt::format("t {:.2f} s   {}   {}   heading {}   {}\n", 1e-9 * static_cast<double>(m.t_ns), name(m.status),
+                  m.at_rest ? "AT REST" : "moving ", name(m.heading_reference),
                   std::isfinite(m.temp_degC) ? fmt::format("{:.1f} degC", m.temp_degC) : "no temperature");
   out += fmt::format("roll {:8.2f}  pitch {:8.2f}  yaw {:8.2f} deg     sigma {:.2f} {:.2f} {:.2f} deg\n", rpy.x(),
                      rpy.y(), rpy.z(), kDegPerRad * sigma[0], kDegPerRad * sigma[1], kDegPerRad * sigma[2]);

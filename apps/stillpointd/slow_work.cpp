@@ -43,7 +43,7 @@ SlowWork::SlowWork(const io::DaemonConfig& config, io::DdsPublisher& publisher, 
       calibrator_(calibrator),
       store_(store),
       shared_(shared),
-      start_ns_(pipeline::monotonic_ns()),
+      start_ns_(monotonic_ns()),
       last_tick_ns_(start_ns_),
       last_save_ns_(start_ns_) {
   publisher_.publish_calibration(to_message(calibrator_.snapshot(), config_.sensor.id));
@@ -145,7 +145,7 @@ void SlowWork::on_tick(const pipeline::SensorReport& report, std::int64_t now_ns
 }
 
 void SlowWork::save() {
-  last_save_ns_ = pipeline::monotonic_ns();
+  last_save_ns_ = monotonic_ns();
   if (store_ == nullptr || !unsaved_) return;
   const calib::OnlineCalibrator::State state = calibrator_.state();
   const auto saved = store_->save(std::as_bytes(std::span(&state, 1)));

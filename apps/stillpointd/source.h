@@ -17,7 +17,7 @@ class SimulatorSource {
   pipeline::SourceState next(pipeline::Arrival& out) noexcept {
     if (!simulator_.next(row_)) return pipeline::SourceState::kEnd;
     out.sample = row_.sample;
-    out.arrival_ns = pipeline::monotonic_ns();
+    out.arrival_ns = monotonic_ns();
     return pipeline::SourceState::kSample;
   }
 
