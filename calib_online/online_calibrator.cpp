@@ -3,6 +3,7 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 
 namespace stillpoint::calib {
 namespace {
@@ -54,6 +55,13 @@ OnlineCalibrator::State OnlineCalibrator::state() const noexcept {
   out.field = field_.state();
   out.snapshot_version = snapshot_.version;
   return out;
+}
+
+bool OnlineCalibrator::restore(std::span<const std::byte> bytes) noexcept {
+  State state;
+  if (bytes.size() != sizeof state) return false;
+  std::memcpy(&state, bytes.data(), sizeof state);
+  return restore(state);
 }
 
 bool OnlineCalibrator::restore(const State& state) noexcept {

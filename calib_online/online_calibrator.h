@@ -3,7 +3,9 @@
 /// (docs/math/temperature.md). Gyroscope: bias with a temperature polynomial; a turn that the windows could not exclude
 /// is one unknown of its whole stretch of rest (docs/math/rest.md, R6).
 #pragma once
+#include <cstddef>
 #include <cstdint>
+#include <span>
 #include <string>
 #include <type_traits>
 
@@ -112,6 +114,8 @@ class OnlineCalibrator {
   [[nodiscard]] State state() const noexcept;
   /// False, and nothing changed, when the state is of another layout or holds anything that is not finite.
   bool restore(const State& state) noexcept;
+  /// The same from the bytes of one, as a file keeps it.
+  bool restore(std::span<const std::byte> state) noexcept;
 
  private:
   [[nodiscard]] double tau(double temp_degC, const TriadCalibration& factory) const noexcept;

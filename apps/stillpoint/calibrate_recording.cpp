@@ -6,7 +6,6 @@
 #include <array>
 #include <cmath>
 #include <cstdlib>
-#include <cstring>
 #include <nlohmann/json.hpp>
 #include <span>
 
@@ -36,11 +35,9 @@ Result<void> read_state(const std::string& path, std::string& sensor_id, calib::
   if (!file && file.error().kind == ErrorKind::kNoInput) return {};
   if (!file) return refused(file.error().message);
   if (!sensor_id.empty() && file->sensor_id != sensor_id && file->sensor_id != kUnnamed)
-    return refused(fmt::format("it is of the sensor '{}', the recording of '{}'", file->sensor_id, sensor_id));
-  calib::OnlineCalibrator::State state;
-  if (file->payload.size() != sizeof state) return refused("of another version");
-  std::memcpy(&state, file->payload.data(), sizeof state);
-  if (!calibrator.restore(state)) return refused("of another version, or not finite");
+    return refused(
+        fmt::format("it is of the sensor {}, the recording of {}", io::quote(file->sensor_id), io::quote(sensor_id)));
+  if (!calibrator.restore(file->payload)) return refused("of another version, or not finite");
   if (sensor_id.empty()) sensor_id = file->sensor_id;
   return {};
 }

@@ -63,12 +63,7 @@ std::string state_directory(const io::StateConfig& config) {
 }
 
 void restore(calib::OnlineCalibrator& calibrator, const io::StateStore& store) {
-  const auto loaded = store.load([&](std::span<const std::byte> bytes) {
-    calib::OnlineCalibrator::State state;
-    if (bytes.size() != sizeof state) return false;
-    std::memcpy(&state, bytes.data(), sizeof state);
-    return calibrator.restore(state);
-  });
+  const auto loaded = store.load([&](std::span<const std::byte> bytes) { return calibrator.restore(bytes); });
   for (const auto& message : loaded.set_aside) log(message);
   log(loaded.payload.empty()
           ? "no kept calibration: the factory values serve"
