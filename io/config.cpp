@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <sstream>
 
+#include "io/quote.h"
 #include "io/simulation_yaml.h"
 
 namespace stillpoint::io {
@@ -24,8 +25,9 @@ void read_word(const YAML::Node& node, E& out, const std::vector<std::pair<std::
     }
     known.push_back(word);
   }
-  const std::string given = node.IsScalar() ? node.Scalar() : "a list or a map";
-  faults.add(node, fmt::format("'{}' cannot be {}{}", key, given, suggestion(given, known)));
+  const std::string given = node.IsScalar() ? node.Scalar() : "";
+  faults.add(node, fmt::format("'{}' cannot be {}{}", key, node.IsScalar() ? quote(given) : "a list or a map",
+                               suggestion(given, known)));
 }
 
 const std::vector<std::pair<std::string, SourceKind>> kSourceKinds{{"recording", SourceKind::kRecording},

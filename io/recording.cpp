@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "io/quote.h"
+
 namespace stillpoint::io {
 
 double Recording::median_step_s() const {
@@ -122,7 +124,8 @@ std::vector<std::string> describe(const RecordingIssues& i) {
     lines.push_back(fmt::format("{} gaps in time, the longest {:.3f} s (first in line {})", i.gap.count,
                                 i.longest_gap_s, i.gap.first_line));
   if (i.truncated_last_line) lines.emplace_back("the last line was cut short, dropped");
-  for (const auto& name : i.unknown_columns) lines.push_back(fmt::format("column '{}' is not known, set aside", name));
+  for (const auto& name : i.unknown_columns)
+    lines.push_back(fmt::format("column {} is not known, set aside", quote(name)));
   return lines;
 }
 

@@ -8,6 +8,7 @@
 #include <charconv>
 #include <cmath>
 
+#include "io/quote.h"
 #include "io/recording_columns.h"
 #include "io/text_file.h"
 
@@ -156,15 +157,15 @@ class Parser {
         const auto [stop, code] = std::from_chars(text.data(), text.data() + text.size(), value);
         if (code == std::errc::invalid_argument || stop != text.data() + text.size()) {
           if (!ended) return cut_or_malformed(ended, c);
-          return malformed(start + 1, fmt::format("'{}' is not a number", text.substr(0, 40)));
+          return malformed(start + 1, quote(text) + " is not a number");
         }
         const std::size_t field = *columns_[c].field;
         if (!std::isfinite(value * columns_[c].to_si) || code == std::errc::result_out_of_range) {
           out_.issues.not_finite.note(line_);
         } else if (field == kColumnGroupInfo[kTimeGroup].first) {
           if (!parse_time(text, columns_[c].to_si, value, t_ns))
-            return malformed(start + 1,
-                             fmt::format("the time {} is out of range; 146 years either way are allowed", text));
+            return malformed(
+                start + 1, fmt::format("the time {} is out of range; 146 years either way are allowed", quote(text)));
           time_read = true;
         } else {
           row_[field] = value * columns_[c].to_si;

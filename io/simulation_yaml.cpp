@@ -1,4 +1,5 @@
 #include "io/simulation_yaml.h"
+#include "io/quote.h"
 
 #include <algorithm>
 
@@ -46,7 +47,7 @@ void read_triad(const YAML::Node& map, const std::string& unit, TriadConfig& out
 template <class Kinds>
 void check_kind(const YAML::Node& block, const std::string& kind, const Kinds& known, YamlFaults& faults) {
   if (std::find(known.begin(), known.end(), kind) != known.end()) return;
-  faults.add(block["kind"], fmt::format("'{}' is not a kind known here{}", kind, suggestion(kind, known)));
+  faults.add(block["kind"], fmt::format("{} is not a kind known here{}", quote(kind), suggestion(kind, known)));
 }
 
 using Names = std::vector<std::string>;

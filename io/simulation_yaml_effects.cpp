@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "io/quote.h"
 #include "io/simulation_yaml.h"
 #include "simulation/effect_catalogue.h"
 
@@ -16,7 +17,7 @@ void read_axes(const YAML::Node& node, std::vector<int>& out, YamlFaults& faults
   for (const auto& item : node) {
     const std::string name = item.IsScalar() ? item.Scalar() : "";
     if (name != "x" && name != "y" && name != "z") {
-      faults.add(item, fmt::format("'{}' is not an axis; use x, y or z", name));
+      faults.add(item, quote(name) + " is not an axis; use x, y or z");
     } else if (const int axis = name[0] - 'x'; std::find(out.begin(), out.end(), axis) != out.end()) {
       faults.add(item, fmt::format("axis '{}' stands twice", name));
     } else {
@@ -61,7 +62,7 @@ void read_sensors(const YAML::Node& node, const sim::EffectInfo& info, EffectCon
     const auto* const known = std::find_if(std::begin(sim::kSensors), std::end(sim::kSensors),
                                            [&](sim::Sensor s) { return name == sim::prefix(s); });
     if (known == std::end(sim::kSensors))
-      faults.add(item, fmt::format("'{}' is not a sensor; use acc, gyr or mag", name));
+      faults.add(item, quote(name) + " is not a sensor; use acc, gyr or mag");
     else if (std::find(out.sensors.begin(), out.sensors.end(), *known) != out.sensors.end())
       faults.add(item, fmt::format("sensor '{}' stands twice", name));
     else
@@ -110,7 +111,7 @@ void read_effect(const YAML::Node& entry, EffectConfig& out, YamlFaults& faults)
   if (info == nullptr) {
     Names ids;
     for (const auto& e : sim::effect_catalogue()) ids.push_back(e.id);
-    return faults.add(entry["effect"], fmt::format("unknown effect '{}'{}", out.id, suggestion(out.id, ids)));
+    return faults.add(entry["effect"], fmt::format("unknown effect {}{}", quote(out.id), suggestion(out.id, ids)));
   }
   Names known{"effect", "axes", "sensors", "window_s"};
   for (const auto& p : info->parameters) known.push_back(p.key);

@@ -6,6 +6,7 @@
 #include <numeric>
 #include <sstream>
 
+#include "io/quote.h"
 #include "io/text_file.h"
 
 namespace stillpoint::io {
@@ -49,7 +50,7 @@ void find_repeated_keys(const YAML::Node& node, YamlFaults& faults) {
   std::set<std::string> seen;
   for (const auto& entry : node) {
     if (entry.first.IsScalar() && !seen.insert(entry.first.Scalar()).second)
-      faults.add(entry.first, fmt::format("key '{}' stands twice; remove one", entry.first.Scalar()));
+      faults.add(entry.first, fmt::format("key {} stands twice; remove one", quote(entry.first.Scalar())));
     find_repeated_keys(entry.second, faults);
   }
 }
@@ -57,8 +58,8 @@ void find_repeated_keys(const YAML::Node& node, YamlFaults& faults) {
 bool read_number(const YAML::Node& node, double& out, const Range& range, const std::string& key, YamlFaults& faults) {
   double value = 0.0;
   if (!node.IsScalar() || !YAML::convert<double>::decode(node, value)) {
-    faults.add(node, fmt::format("'{}' must be a number{}", key,
-                                 node.IsScalar() ? fmt::format(", not '{}'", node.Scalar()) : ""));
+    faults.add(node,
+               fmt::format("'{}' must be a number{}", key, node.IsScalar() ? ", not " + quote(node.Scalar()) : ""));
     return false;
   }
   if (!range.holds(value)) {
@@ -118,7 +119,7 @@ void refuse_unknown_keys(const YAML::Node& map, const std::vector<std::string>& 
   for (const auto& entry : map) {
     const std::string key = entry.first.IsScalar() ? entry.first.Scalar() : "(not a name)";
     if (std::find(known.begin(), known.end(), key) == known.end())
-      faults.add(entry.first, fmt::format("unknown key '{}'{}", key, suggestion(key, known)));
+      faults.add(entry.first, fmt::format("unknown key {}{}", quote(key), suggestion(key, known)));
   }
 }
 

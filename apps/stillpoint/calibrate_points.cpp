@@ -1,7 +1,6 @@
 /// `stillpoint calibrate --points`: reads the table, runs one method, prints its result or why there is none.
 #include <fmt/format.h>
 
-#include <charconv>
 #include <cmath>
 #include <cstdlib>
 #include <nlohmann/json.hpp>
@@ -9,6 +8,7 @@
 
 #include "apps/stillpoint/calibrate.h"
 #include "apps/stillpoint/commands.h"
+#include "io/quote.h"
 #include "io/text_file.h"
 
 namespace stillpoint::app {
@@ -42,15 +42,6 @@ std::optional<double> number(const std::string& text) {
   return value;
 }
 
-/// What a message may quote of a file: a terminal must not be steered by it, nor flooded.
-std::string printable(const std::string& text) {
-  constexpr std::size_t kShown = 60;
-  std::string out = text.substr(0, kShown);
-  for (char& c : out)
-    if (const auto byte = static_cast<unsigned char>(c); byte < 0x20 || byte > 0x7e) c = '?';
-  return "'" + out + (text.size() > kShown ? "...'" : "'");
-}
-
 /// One line of numbers into a point; faults name the column.
 void read_line(const std::vector<std::string>& cells, const std::vector<std::string>& header, const std::string& where,
                PointsTable& table) {
@@ -67,7 +58,7 @@ void read_line(const std::vector<std::string>& cells, const std::vector<std::str
     const auto value = number(cells[k]);
     if (!value || !std::isfinite(*value)) {
       table.faults.push_back(
-          fmt::format("{}:{}: {} is {}, not a finite number", where, k + 1, header[k], printable(cells[k])));
+          fmt::format("{}:{}: {} is {}, not a finite number", where, k + 1, header[k], io::quote(cells[k])));
       good = false;
       continue;
     }
@@ -96,7 +87,7 @@ Result<PointsTable> read_points(const std::string& path) {
       for (const char* axis : {"x", "y", "z"})
         if (std::count(header.begin(), header.end(), axis) != 1)
           return fail(ErrorKind::kBadData, fmt::format("{}:{}:1: the header needs one column '{}'; it is {}", path,
-                                                       number_of_line, axis, printable(line)));
+                                                       number_of_line, axis, io::quote(line)));
       continue;
     }
     read_line(cells, header, fmt::format("{}:{}", path, number_of_line), table);

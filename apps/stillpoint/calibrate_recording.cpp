@@ -16,6 +16,7 @@
 #include "calib_online/field_turns.h"
 #include "calib_online/online_calibrator.h"
 #include "calib_online/rest_detector.h"
+#include "io/quote.h"
 #include "io/recording.h"
 #include "io/state_file.h"
 #include "io/text_file.h"
@@ -106,8 +107,8 @@ double local_gravity_mps2(const io::Recording& recording, const std::string& pat
   if (stated == recording.header.end()) return kStandardGravity_mps2;
   const double given = std::strtod(stated->second.c_str(), nullptr);
   if (given > 9.7 && given < 9.9) return given;
-  fmt::print(stderr, "{}: '# gravity_mps2: {}' is no gravity of the Earth (9.7 to 9.9); {} is used\n", path,
-             stated->second, kStandardGravity_mps2);
+  tell(fmt::format("{}: {} after '# gravity_mps2:' is no gravity of the Earth (9.7 to 9.9); {} is used", path,
+                   io::quote(stated->second), kStandardGravity_mps2));
   return kStandardGravity_mps2;
 }
 

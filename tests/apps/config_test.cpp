@@ -64,7 +64,7 @@ TEST(DaemonConfig, NamesEveryFaultAtItsPlaceNotOnlyTheFirst) {
       "source: {kind: recordin, file: a.csv}\nrest: {window_s: .nan}\nattitude: {gyr_noise_radps_rtHz: fast}\n"
       "stale_after_s: -1\nsensr: {}\noutput: {world_frame: end}\n");
   for (const char* fault :
-       {"f.yaml:1:16: 'kind' cannot be recordin; did you mean 'recording'?", "f.yaml:2:18: 'window_s'",
+       {"f.yaml:1:16: 'kind' cannot be 'recordin'; did you mean 'recording'?", "f.yaml:2:18: 'window_s'",
         "f.yaml:3:34: 'gyr_noise_radps_rtHz' must be a number", "f.yaml:4:16: 'stale_after_s' is -1",
         "f.yaml:5:1: unknown key 'sensr'; did you mean 'sensor'?", "f.yaml:6:23: 'world_frame'"})
     EXPECT_NE(all.find(fault), std::string::npos) << fault << "\nnot in\n" << all;

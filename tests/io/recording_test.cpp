@@ -32,7 +32,7 @@ TEST(Recording, RefusesTimesWhoseDifferenceNoClockCanCount) {
   for (const char* time : {"-9223372036854775808", "9223372036854775807", "4700000000000000000", "1e30", "-5e18"}) {
     const auto r = parse_recording(header + "0,1,2,3\n" + time + ",1,2,3\n", "f.csv");
     ASSERT_FALSE(r) << time;
-    EXPECT_THAT(r.error().message, ::testing::StartsWith("f.csv:3:1: the time " + std::string(time)));
+    EXPECT_THAT(r.error().message, ::testing::StartsWith("f.csv:3:1: the time '" + std::string(time) + "'"));
   }
   const auto widest = parse_recording(header + "-4600000000000000000,1,2,3\n4600000000000000000,1,2,3\n", "f.csv");
   ASSERT_TRUE(widest) << widest.error().message;
