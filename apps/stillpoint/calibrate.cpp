@@ -15,21 +15,16 @@ struct Arguments {
   calib::PointsOptions options;
 };
 
-int usage(const char* message) {
-  std::fprintf(stderr, "stillpoint: %s\n", message);
-  return static_cast<int>(ErrorKind::kUsage);
-}
-
 int run_calibrate(Arguments a) {
   if (a.points.empty() == a.recording.empty())
-    return usage("calibrate needs --points FILE --method METHOD, or --recording FILE");
-  if (!a.recording.empty()) return calibrate_recording(a.recording, a.json.target(), a.state);
+    return report({ErrorKind::kUsage, "calibrate needs --points FILE --method METHOD, or --recording FILE"});
+  if (!a.recording.empty()) return calibrate_recording(a.recording, a.json.file(), a.state);
   if (!a.initial_centre.empty())
     a.options.initial_centre = Vec3(a.initial_centre[0], a.initial_centre[1], a.initial_centre[2]);
   if (a.initial_radius > 0.0) a.options.initial_radius = a.initial_radius;
   if (a.converter_bits > 0) a.options.converter_bits = a.converter_bits;
   if (a.full_scale_g > 0.0) a.options.full_scale_g = a.full_scale_g;
-  return calibrate_points(a.points, a.method, a.options, a.json.target());
+  return calibrate_points(a.points, a.method, a.options, a.json.file());
 }
 
 }  // namespace

@@ -1,17 +1,14 @@
 /// The two halves of `stillpoint calibrate`.
 #pragma once
-#include <optional>
 #include <string>
 
 #include "calib_online/points_fit.h"
 
 namespace stillpoint::app {
 
-/// --json: empty, not asked for; "-": standard output, and nothing else there; else a file.
-using JsonTarget = std::optional<std::string>;
-
+/// Both give the exit code; `json` is JsonOption::file().
 int calibrate_points(const std::string& points, const std::string& method, const calib::PointsOptions& options,
-                     const JsonTarget& json);
-int calibrate_recording(const std::string& recording, const JsonTarget& json, const std::string& state);
+                     const std::string& json);
+int calibrate_recording(const std::string& recording, const std::string& json, const std::string& state);
 
 }  // namespace stillpoint::app

@@ -165,7 +165,7 @@ void print(const std::string& method, const calib::PointsFit& fit, const std::ve
 }  // namespace
 
 int calibrate_points(const std::string& path, const std::string& method_name, const calib::PointsOptions& options,
-                     const JsonTarget& json) {
+                     const std::string& json) {
   const auto method = calib::method_named(method_name);
   if (!method) {
     std::string known;
@@ -191,14 +191,14 @@ int calibrate_points(const std::string& path, const std::string& method_name, co
     count = table->points.size();
   }
   const std::vector<double> residuals = table ? norm_residuals(fit, table->points) : std::vector<double>{};
-  if (json) {
+  if (!json.empty()) {
     const std::string text =
         to_json(method_name, fit, count, residuals).dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
-    if (const auto written = io::write_text_file(*json, text); !written) return report(written.error());
+    if (const auto written = io::write_text_file(json, text); !written) return report(written.error());
   }
   if (fit.status != calib::FitStatus::kOk)
     return report({ErrorKind::kBadData, fmt::format("{}: {}", calib::name(fit.status), fit.reason)});
-  if (!json) print(method_name, fit, residuals);
+  if (json.empty()) print(method_name, fit, residuals);
   return 0;
 }
 

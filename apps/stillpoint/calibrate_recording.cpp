@@ -114,7 +114,7 @@ double local_gravity_mps2(const io::Recording& recording, const std::string& pat
 
 }  // namespace
 
-int calibrate_recording(const std::string& path, const JsonTarget& json, const std::string& state) {
+int calibrate_recording(const std::string& path, const std::string& json, const std::string& state) {
   const auto recording = io::read_recording(path);
   if (!recording) return report(recording.error());
   if (recording->acc_mps2.empty() || recording->acc_in_counts || recording->gyr_in_counts)
@@ -129,12 +129,12 @@ int calibrate_recording(const std::string& path, const JsonTarget& json, const s
   std::string sensor_id = named != recording->header.end() ? named->second : "";
   if (!state.empty())
     if (const auto learnt = read_state(state, sensor_id, calibrator); !learnt) return report(learnt.error());
-  for (const auto& line : io::describe(recording->issues)) fmt::print(stderr, "{}: {}\n", path, line);
+  for (const auto& line : io::describe(recording->issues)) tell(path + ": " + line);
   const CalibrationRun run = calibrate(*recording, calibrator, gravity_mps2);
   Result<void> written;
-  if (json)
+  if (!json.empty())
     written = io::write_text_file(
-        *json, to_json(path, run).dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n");
+        json, to_json(path, run).dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n");
   else
     print(path, run);
   // Last: what the run found is shown even where it cannot be kept.

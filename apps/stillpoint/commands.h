@@ -4,9 +4,9 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <cstdio>
 #include <functional>
-#include <optional>
 #include <string>
 
 #include "core/result.h"
@@ -16,10 +16,21 @@ namespace stillpoint::app {
 /// Exit code of the chosen command; empty until one is chosen.
 using Run = std::function<int()>;
 
+/// A line on standard error. Where that is closed or full the line is lost; fmt::print would end the program.
+inline void tell(const std::string& line) { std::fputs((line + '\n').c_str(), stderr); }
+
 /// Prints the error to standard error and gives its exit code.
 inline int report(const Error& error) {
-  std::fprintf(stderr, "stillpoint: %s\n", error.message.c_str());
+  tell("stillpoint: " + error.message);
   return static_cast<int>(error.kind);
+}
+
+/// Whether one of these files is "-", standard output, where then nothing else may be written. Fails (64) when two are.
+inline Result<bool> is_standard_output(std::initializer_list<std::string> files) {
+  const auto count = std::count(files.begin(), files.end(), "-");
+  if (count > 1)
+    return fail(ErrorKind::kUsage, "only one output can be '-', standard output; name files for the others");
+  return count == 1;
 }
 
 /// A finite number from low to high: CLI::Range lets nan pass.
@@ -42,8 +53,8 @@ class JsonOption {
             ->expected(0, 1);
   }
   /// Empty when it was not given; "-" is standard output.
-  [[nodiscard]] std::optional<std::string> target() const {
-    if (option_ == nullptr || option_->count() == 0) return std::nullopt;
+  [[nodiscard]] std::string file() const {
+    if (option_ == nullptr || option_->count() == 0) return "";
     return name_.empty() ? "-" : name_;
   }
 

@@ -160,9 +160,9 @@ int demo(const DemoOptions& options) {
   const std::scoped_lock lock(listener.mutex);
   const WatchState state = listener.model.state(monotonic_ns());
   if (!is_quiet(options)) print_result(options, *stage, listener.score, without, state);
-  if (options.json) {
+  if (!options.json.empty()) {
     const auto json = result_json(options, *stage, listener.score, without, state);
-    if (const auto written = io::write_text_file(*options.json, json.dump(2) + "\n"); !written)
+    if (const auto written = io::write_text_file(options.json, json.dump(2) + "\n"); !written)
       return report(written.error());
   }
   if (listener.score.count() == 0)
@@ -186,7 +186,7 @@ void add_demo(CLI::App& app, Run& run) {
   command->add_option("--domain", options.domain, "DDS domain; by default one of its own")->check(CLI::Range(0, 232));
   json.add(*command, "write the result");
   command->callback([&run] {
-    options.json = json.target();
+    options.json = json.file();
     run = [] { return demo(options); };
   });
 }

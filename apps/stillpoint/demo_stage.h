@@ -1,7 +1,6 @@
 /// What `stillpoint demo` plays: a simulated hand-held sensor, recorded, and the daemon's configuration to replay it.
 #pragma once
 #include <filesystem>
-#include <optional>
 #include <string>
 
 #include "core/result.h"
@@ -14,8 +13,8 @@ struct DemoOptions {
   double seconds = 30.0;
   std::string folder = "demo-out";
   int seed = 1;
-  int domain = -1;                  ///< -1: one of its own
-  std::optional<std::string> json;  ///< file for the result, "-": standard output
+  int domain = -1;   ///< -1: one of its own
+  std::string json;  ///< file for the result, "-": standard output, empty: none
 };
 
 /// What is simulated, where it lies and how it is replayed.

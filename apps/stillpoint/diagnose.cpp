@@ -18,7 +18,8 @@ namespace stillpoint::app {
 namespace {
 
 struct Options {
-  std::string simulation, recording, json, report, improved, validate;
+  std::string simulation, recording, report, improved, validate;
+  JsonOption json;
   std::vector<std::string> without;
   std::size_t twins = 0;
   bool fail_on_mismatch = false;
@@ -46,7 +47,10 @@ diag::Answer with_progress(const std::string& what, const io::Recording& recordi
 }
 
 int run_diagnose(const Options& o) {
-  for (const auto& path : {o.json, o.report, o.improved})
+  const std::string json = o.json.file();
+  const auto quiet = is_standard_output({json, o.report, o.improved});
+  if (!quiet) return report(quiet.error());
+  for (const auto& path : {json, o.report, o.improved})
     if (const auto writable = io::expect_writable(path); !writable) return report(writable.error());
   const auto simulation = io::read_simulation(o.simulation);
   if (!simulation) return report(simulation.error());
@@ -54,12 +58,11 @@ int run_diagnose(const Options& o) {
   if (!recording) return report(recording.error());
   diag::Answer answer = with_progress("diagnosing", *recording, *simulation, o.without, o.twins);
   for (const auto& line : io::describe(recording->issues)) answer.diagnosis.notices.push_back(line);
-  const bool quiet = o.json == "-";
-  if (!quiet) std::fputs(diag::to_text(answer.diagnosis).c_str(), stdout);
+  if (!*quiet) std::fputs(diag::to_text(answer.diagnosis).c_str(), stdout);
   sim::SimulationConfig improved = *simulation;
   improved.effects.insert(improved.effects.end(), answer.effects.begin(), answer.effects.end());
   const std::string blocks = blocks_to_paste(answer.effects);
-  if (!quiet && !blocks.empty()) std::printf("\nNEXT     put the physics where it is missing:\n%s", blocks.c_str());
+  if (!*quiet && !blocks.empty()) std::printf("\nNEXT     put the physics where it is missing:\n%s", blocks.c_str());
   if (!o.improved.empty())
     if (const auto done = io::write_simulation(improved, o.improved); !done) return report(done.error());
   if (!o.validate.empty()) {
@@ -67,7 +70,7 @@ int run_diagnose(const Options& o) {
     if (!other) return report(other.error());
     const diag::Answer before = with_progress("validating, before", *other, *simulation, {}, 0),
                        after = with_progress("validating, after", *other, improved, {}, 0);
-    std::fprintf(quiet ? stderr : stdout, "\nVALIDATE %s: before: %s  after: %s\n", o.validate.c_str(),
+    std::fprintf(*quiet ? stderr : stdout, "\nVALIDATE %s: before: %s  after: %s\n", o.validate.c_str(),
                  before.diagnosis.summary.c_str(), after.diagnosis.summary.c_str());
   }
   if (!o.report.empty()) {
@@ -75,8 +78,8 @@ int run_diagnose(const Options& o) {
     if (const auto done = io::write_text_file(o.report, diag::report_html(answer.diagnosis, context)); !done)
       return report(done.error());
   }
-  if (!o.json.empty())
-    if (const auto done = io::write_text_file(o.json, diag::to_json(answer.diagnosis)); !done)
+  if (!json.empty())
+    if (const auto done = io::write_text_file(json, diag::to_json(answer.diagnosis)); !done)
       return report(done.error());
   return o.fail_on_mismatch && !answer.diagnosis.findings.empty() ? static_cast<int>(ErrorKind::kThreshold) : 0;
 }
@@ -88,7 +91,7 @@ void add_diagnose(CLI::App& app, Run& run) {
   static Options o;
   command->add_option("--simulation", o.simulation, "the baseline (YAML)")->required();
   command->add_option("--recording", o.recording, "the recording to explain (CSV)")->required();
-  command->add_option("--json", o.json, "write the answer as JSON; - for standard output and nothing else there");
+  o.json.add(*command, "write the answer");
   command->add_option("--report", o.report, "write the report (HTML, one file)");
   command->add_option("--improved", o.improved, "write the simulation with the found physics in it (YAML)");
   command->add_option("--validate", o.validate, "judge the improved simulation on another recording (CSV)");

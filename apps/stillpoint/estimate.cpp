@@ -124,23 +124,27 @@ nlohmann::json to_json(const Summary& summary, const pipeline::Stages& stages, c
 
 void print_text(const Summary& summary, const pipeline::Stages& stages, const io::Recording& recording,
                 const Arguments& a) {
-  std::FILE* to = a.output == "-" ? stderr : stdout;
-  for (const auto& line : io::describe(recording.issues)) fmt::print(to, "{}: {}\n", a.recording, line);
+  std::string text;
+  const auto to = std::back_inserter(text);
+  for (const auto& line : io::describe(recording.issues)) fmt::format_to(to, "{}: {}\n", a.recording, line);
   const auto& live = stages.live();
-  fmt::print(to, "{}: {} rows\n", a.output, summary.rows);
-  fmt::print(to, "rest windows {}, calibration version {}; gaps {}, refused {}\n", stages.counts().windows,
-             live.version, stages.guard().counts().gaps, stages.guard().counts().refused);
+  fmt::format_to(to, "{}: {} rows\n", a.output, summary.rows);
+  fmt::format_to(to, "rest windows {}, calibration version {}; gaps {}, refused {}\n", stages.counts().windows,
+                 live.version, stages.guard().counts().gaps, stages.guard().counts().refused);
   const auto& b = live.gyr.bias;
-  fmt::print(to, "gyroscope bias {:.4f} {:.4f} {:.4f} deg/s, {}\n", b[0] * kDegPerRad, b[1] * kDegPerRad,
-             b[2] * kDegPerRad, name(live.gyr.status));
-  fmt::print(to, "accelerometer bias {:.4f} {:.4f} {:.4f} m/s^2, {}\n", live.acc.bias[0], live.acc.bias[1],
-             live.acc.bias[2], name(live.acc.status));
+  fmt::format_to(to, "gyroscope bias {:.4f} {:.4f} {:.4f} deg/s, {}\n", b[0] * kDegPerRad, b[1] * kDegPerRad,
+                 b[2] * kDegPerRad, name(live.gyr.status));
+  fmt::format_to(to, "accelerometer bias {:.4f} {:.4f} {:.4f} m/s^2, {}\n", live.acc.bias[0], live.acc.bias[1],
+                 live.acc.bias[2], name(live.acc.status));
   const auto& e = summary.last;
-  fmt::print(to, "standard deviation at the end: roll {:.3f}, pitch {:.3f}, yaw {:.3f} deg\n",
-             e.sigma_roll_rad * kDegPerRad, e.sigma_pitch_rad * kDegPerRad, e.sigma_yaw_rad * kDegPerRad);
+  fmt::format_to(to, "standard deviation at the end: roll {:.3f}, pitch {:.3f}, yaw {:.3f} deg\n",
+                 e.sigma_roll_rad * kDegPerRad, e.sigma_pitch_rad * kDegPerRad, e.sigma_yaw_rad * kDegPerRad);
+  std::fputs(text.c_str(), a.output == "-" ? stderr : stdout);
 }
 
 int run_estimate(const Arguments& a) {
+  const std::string json = a.json.file();
+  if (const auto taken = is_standard_output({json, a.output}); !taken) return report(taken.error());
   const auto config = io::read_config(a.config);
   if (!config) return report(config.error());
   const auto recording =
@@ -152,10 +156,9 @@ int run_estimate(const Arguments& a) {
   pipeline::Stages stages(io::stages_params(*config), calibrator.snapshot());
   const auto summary = estimate(*recording, stages, link, a.output);
   if (!summary) return report(summary.error());
-  const auto json = a.json.target();
-  if (!json || *json != "-") print_text(*summary, stages, *recording, a);
-  if (!json) return 0;
-  const auto written = io::write_text_file(*json, to_json(*summary, stages, *recording).dump(2) + "\n");
+  if (json != "-") print_text(*summary, stages, *recording, a);
+  if (json.empty()) return 0;
+  const auto written = io::write_text_file(json, to_json(*summary, stages, *recording).dump(2) + "\n");
   return written ? 0 : report(written.error());
 }
 
@@ -169,10 +172,7 @@ void add_estimate(CLI::App& app, Run& run) {
   command->add_option("--output", a.output, "attitude (.csv); - is standard output")->required();
   command->add_flag("--skip-malformed", a.skip_malformed, "count malformed rows instead of failing");
   a.json.add(*command, "write what was found");
-  command->callback([&run] {
-    if (a.json.target() == "-" && a.output == "-") throw CLI::ExcludesError("--json -", "--output -");
-    run = [] { return run_estimate(a); };
-  });
+  command->callback([&run] { run = [] { return run_estimate(a); }; });
 }
 
 }  // namespace stillpoint::app

@@ -11,8 +11,20 @@ bool is_command(const CLI::App& cli, const std::string& word) {
   std::vector<std::string> names;
   for (const CLI::App* command : cli.get_subcommands(nullptr)) names.push_back(command->get_name());
   if (std::find(names.begin(), names.end(), word) != names.end()) return true;
-  fmt::print(stderr, "stillpoint: no command '{}'{}\n", word, stillpoint::io::suggestion(word, names));
+  stillpoint::app::tell(fmt::format("stillpoint: no command '{}'{}", word, stillpoint::io::suggestion(word, names)));
   return false;
+}
+
+int parse_and_run(CLI::App& cli, const stillpoint::app::Run& run, int argc, char** argv) {
+  using stillpoint::ErrorKind;
+  try {
+    cli.parse(argc, argv);
+    return run();
+  } catch (const CLI::ParseError& e) {
+    return cli.exit(e) == 0 ? 0 : static_cast<int>(ErrorKind::kUsage);
+  } catch (const std::system_error& e) {  // of fmt::print where standard output is full, or of a folder's listing
+    return stillpoint::app::report({ErrorKind::kCannotCreate, e.what()});
+  }
 }
 
 }  // namespace
@@ -34,16 +46,11 @@ int main(int argc, char** argv) {
   app::add_simulate(cli, run);
   app::add_watch(cli, run);
   if (argc < 2) {
-    fmt::print(stderr, "{}", cli.help());
+    app::tell(cli.help());
     return static_cast<int>(ErrorKind::kUsage);
   }
   if (argv[1][0] != '-' && !is_command(cli, argv[1])) return static_cast<int>(ErrorKind::kUsage);
-  try {
-    cli.parse(argc, argv);
-  } catch (const CLI::ParseError& e) {
-    return cli.exit(e) == 0 ? 0 : static_cast<int>(ErrorKind::kUsage);
-  }
-  const int code = run();
+  const int code = parse_and_run(cli, run, argc, argv);
   if (std::fflush(stdout) == 0 && std::ferror(stdout) == 0) return code;
   const int lost = app::report({ErrorKind::kCannotCreate, "standard output: cannot be written; is the disk full?"});
   return code != 0 ? code : lost;

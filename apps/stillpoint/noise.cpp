@@ -15,7 +15,8 @@ namespace stillpoint::app {
 namespace {
 
 struct Options {
-  std::string recording, json, kalibr, figure;
+  std::string recording, kalibr, figure;
+  JsonOption json;
 };
 
 /// Rows [first, last) of the longest stretch without motion: one-second blocks whose standard deviation stays within
@@ -97,6 +98,8 @@ std::vector<SensorNoise> sensors_at_rest(const io::Recording& r, std::size_t fir
 }
 
 int noise(const Options& options) {
+  const auto quiet = is_standard_output({options.json.file(), options.kalibr, options.figure});
+  if (!quiet) return report(quiet.error());
   const auto recording = io::read_recording(options.recording);
   if (!recording) return report(recording.error());
   const double dt_s = recording->median_step_s();
@@ -114,7 +117,7 @@ int noise(const Options& options) {
     return report(
         {ErrorKind::kBadData, fmt::format("{}: no acc, gyr or mag columns with readings at rest", options.recording)});
   const std::string json = to_json(sensors, rate_hz, seconds).dump(1) + "\n", kalibr = kalibr_yaml(sensors, rate_hz);
-  if (options.json != "-")
+  if (!*quiet)
     std::printf("%s\n+- and < are 95 %%; from %.1f s at %.6g Hz\n\n# simulation block\n%s\n# Kalibr imu.yaml\n%s",
                 noise_table(sensors).c_str(), seconds, rate_hz, noise_simulation_block(sensors, rate_hz).c_str(),
                 kalibr.c_str());
@@ -124,7 +127,7 @@ int noise(const Options& options) {
     if (path != "-") std::fprintf(stderr, "wrote %s\n", path.c_str());
     return 0;
   };
-  if (const int code = write(options.json, json)) return code;
+  if (const int code = write(options.json.file(), json)) return code;
   if (const int code = write(options.kalibr, kalibr)) return code;
   return options.figure.empty() ? 0 : write(options.figure, noise_figure_svg(sensors));
 }
@@ -135,7 +138,7 @@ void add_noise(CLI::App& app, Run& run) {
   auto* command = app.add_subcommand("noise", "Allan deviation and noise terms of a sensor at rest");
   static Options options;
   command->add_option("--recording", options.recording, "recording of the sensor at rest (.csv)")->required();
-  command->add_option("--json", options.json, "write the curves and terms as JSON ('-': standard output)");
+  options.json.add(*command, "write the curves and terms");
   command->add_option("--kalibr", options.kalibr, "write a Kalibr imu.yaml");
   command->add_option("--figure", options.figure, "write the log-log figure (.svg)");
   command->callback([&run] { run = [] { return noise(options); }; });

@@ -95,6 +95,7 @@ int write_truth(const Options& o, const sim::SimulationConfig& config, const Sce
 }
 
 int simulate(const Options& o) {
+  if (const auto taken = is_standard_output({o.output, o.truth}); !taken) return report(taken.error());
   if (const auto writable = io::expect_writable(o.truth); !writable) return report(writable.error());
   auto config = io::read_simulation(o.simulation);
   if (!config) return report(config.error());

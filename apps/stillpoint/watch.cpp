@@ -17,7 +17,7 @@ namespace {
 struct WatchOptions {
   io::DdsParams dds;
   bool once = false;
-  std::string json;      ///< path, "-" for standard output, empty for text
+  JsonOption json;       ///< instead of text
   double seconds = 0.0;  ///< 0: until interrupted; with once 1 s
   double timeout_s = 10.0;
 };
@@ -46,11 +46,11 @@ int watch_once(const WatchOptions& options, const WatchModel& model, const io::D
     return report({ErrorKind::kUnavailable,
                    nothing_arrives(options.dds, options.dds.attitude_topic, subscriber.publishers() > 0)});
   wait_for(options.seconds > 0 ? options.seconds : 1.0, [] { return false; });
-  return print(model.state(monotonic_ns()), options.json);
+  return print(model.state(monotonic_ns()), options.json.file());
 }
 
 int watch_live(const WatchOptions& options, const WatchModel& model, const io::DdsSubscriber& subscriber) {
-  const bool terminal = options.json.empty() && isatty(STDOUT_FILENO) != 0;
+  const bool terminal = options.json.file().empty() && isatty(STDOUT_FILENO) != 0;
   const double step_s = terminal ? 0.2 : 1.0;
   const std::int64_t start_ns = monotonic_ns();
   bool told = false;
@@ -66,7 +66,7 @@ int watch_live(const WatchOptions& options, const WatchModel& model, const io::D
       }
     } else {
       if (terminal) std::fputs("\033[H\033[2J", stdout);
-      if (const int code = print(state, options.json); code != 0) return code;
+      if (const int code = print(state, options.json.file()); code != 0) return code;
     }
     if (options.seconds > 0 && 1e-9 * static_cast<double>(now_ns - start_ns) >= options.seconds) break;
   }
@@ -93,7 +93,7 @@ void add_watch(CLI::App& app, Run& run) {
   static WatchOptions options;
   add_dds_options(*command, options.dds);
   command->add_flag("--once", options.once, "print one state and end; exit code 69 when no daemon is there");
-  command->add_option("--json", options.json, "write JSON instead of text to this file, - for standard output");
+  options.json.add(*command, "write the state, instead of text,");
   command->add_option("--seconds", options.seconds, "end after this time; with --once the time measured over (1)")
       ->check(between(0.01, 1e9));
   command->add_option("--timeout", options.timeout_s, "with --once: how long to wait for a daemon, s")

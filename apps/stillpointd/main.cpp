@@ -1,9 +1,9 @@
 /// `stillpointd`: the daemon. docs/daemon.md says how to run it, docs/configuration.md what it can be told.
-#include <fmt/format.h>
-
 #include <CLI/CLI.hpp>
 
 #include "apps/stillpointd/daemon.h"
+#include "apps/stillpointd/log.h"
+#include "io/text_file.h"
 
 int main(int argc, char** argv) {
   using namespace stillpoint;
@@ -24,13 +24,14 @@ int main(int argc, char** argv) {
   } catch (const CLI::ParseError& e) {
     return cli.exit(e) == 0 ? 0 : static_cast<int>(ErrorKind::kUsage);
   }
+  const auto refused = [](const Error& error) {
+    app::log(error.message);
+    return static_cast<int>(error.kind);
+  };
   const auto config = io::read_config(path);
-  if (!config) {
-    fmt::print(stderr, "stillpointd: {}\n", config.error().message);
-    return static_cast<int>(config.error().kind);
-  }
-  if (print) fmt::print("{}", io::print_config(*config));
-  if (check) fmt::print("{}: a configuration without fault\n", path);
-  if (print || check) return 0;
-  return app::run_daemon(*config, options);
+  if (!config) return refused(config.error());
+  if (!print && !check) return app::run_daemon(*config, options);
+  const auto said = io::write_text_file(
+      "-", (print ? io::print_config(*config) : "") + (check ? path + ": a configuration without fault\n" : ""));
+  return said ? 0 : refused(said.error());
 }

@@ -51,5 +51,75 @@ TEST_F(Commands, AMinusIsStandardOutputForEveryFileWritten) {
   EXPECT_FALSE(std::filesystem::exists(folder_ / "-"));
 }
 
+TEST_F(Commands, StandardOutputTakesOneFileAndNothingElse) {
+  write_simulation();
+  ASSERT_EQ(tool("simulate --simulation sim.yaml --output rec.csv"), 0) << told_;
+  write_file(folder_ / "config.yaml", "sensor: {id: a}\n");
+  for (const std::string command :
+       {"noise --recording rec.csv --json --kalibr -", "simulate --simulation sim.yaml --output - --truth -",
+        "estimate --config config.yaml --recording rec.csv --output - --json -",
+        "diagnose --simulation sim.yaml --recording rec.csv --json - --report -"}) {
+    EXPECT_EQ(tool(command + " > out"), 64) << command;
+    EXPECT_THAT(told_, HasSubstr("only one output can be '-'")) << command;
+    EXPECT_EQ(read_file(folder_ / "out"), "") << command;
+  }
+  ASSERT_EQ(tool("diagnose --simulation sim.yaml --recording rec.csv --json > out"), 0) << told_;
+  EXPECT_THAT(read_file(folder_ / "out"), StartsWith("{"));
+}
+
+TEST_F(Commands, AFullStandardOutputIsToldAndAFullStandardErrorEndsNothing) {
+  write_simulation();
+  ASSERT_EQ(tool("simulate --simulation sim.yaml --output rec.csv"), 0) << told_;
+  write_file(folder_ / "config.yaml", "sensor: {id: a}\n");
+  for (const std::string command : {"--help", "effects", "simulate --help", "calibrate --recording rec.csv",
+                                    "check config.yaml", "simulate --simulation sim.yaml --output -"}) {
+    EXPECT_EQ(tool(command + " > /dev/full"), 73) << command;
+    EXPECT_THAT(told_, HasSubstr("standard output: cannot be written")) << command;
+  }
+  for (const std::string flag : {"--check-config", "--print-config"})
+    EXPECT_EQ(tool("--config config.yaml " + flag + " > /dev/full", STILLPOINTD), 73) << flag;
+  const auto with_full_error = [&](const std::string& arguments, const std::string& program) {
+    return tool("'" + program + " " + arguments + " 2> /dev/full'", "sh -c");
+  };
+  EXPECT_EQ(with_full_error("nonsense", STILLPOINT), 64);
+  EXPECT_EQ(with_full_error("--config nothing.yaml", STILLPOINTD), 66);
+  EXPECT_EQ(with_full_error("estimate --config config.yaml --recording rec.csv --output - > /dev/null", STILLPOINT), 0);
+}
+
+TEST_F(Commands, ARecordingThatGetsNoReadingLeavesTheFileOfItsName) {
+  write_file(folder_ / "kept.csv", "precious");
+  const std::string domain = std::to_string(own_domain());
+  EXPECT_EQ(tool("record --timeout 0 --domain " + domain + " --output kept.csv"), 69) << told_;
+  EXPECT_EQ(read_file(folder_ / "kept.csv"), "precious");
+  EXPECT_EQ(tool("record --timeout 0 --domain " + domain + " --output no/folder.csv"), 73) << told_;
+}
+
+TEST_F(Commands, AProofThatCannotBeginSaysSoAndLeavesNothing) {
+  std::filesystem::create_directories(folder_ / "tmp");
+  std::filesystem::create_directories(folder_ / "cases/cases");
+  std::filesystem::create_directories(folder_ / "cases/truth");
+  write_file(folder_ / "cases/cases/001.csv", "");
+  const std::string prove = "prove --cases 1 --quick ";
+  EXPECT_EQ(tool(prove + "--report no/page.html > out"), 73);
+  EXPECT_EQ(read_file(folder_ / "out"), "");  // before the first case, not after the last
+  EXPECT_EQ(tool(prove + "--folder cases > out", "TMPDIR=tmp " STILLPOINT), 66);
+  EXPECT_THAT(told_, HasSubstr("cases/truth/001.json: cannot be opened"));
+  EXPECT_TRUE(std::filesystem::is_empty(folder_ / "tmp"));
+}
+
+TEST_F(Commands, AMessageQuotesNothingThatSteersATerminal) {
+  const std::string evil = "\x1b[2J" + std::string(5000, 'k');
+  write_file(folder_ / "column.csv", "time_s,acc_x_mps2,acc_y_mps2,acc_z_mps2," + evil + "\n0,1,2,3,4\n");
+  write_file(folder_ / "number.csv", "time_s,acc_x_mps2,acc_y_mps2,acc_z_mps2\n0,1,2," + evil + "\n");
+  write_file(folder_ / "key.yaml", "\"\\e[2J" + std::string(5000, 'k') + "\": 1\n");
+  write_file(folder_ / "value.yaml", "rate_hz: \"\\e[2J" + std::string(5000, 'k') + "\"\n");
+  for (const std::string name : {"column.csv", "number.csv", "key.yaml", "value.yaml"}) {
+    tool("check " + name + " > out");
+    const std::string said = told_ + read_file(folder_ / "out");
+    EXPECT_THAT(said, HasSubstr("'?[2Jkkk")) << name;
+    EXPECT_LT(said.size(), 600U) << name;
+  }
+}
+
 }  // namespace
 }  // namespace stillpoint::test
