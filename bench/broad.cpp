@@ -3,10 +3,10 @@
 #include <fmt/format.h>
 
 #include <chrono>
-#include <cstring>
 #include <functional>
 #include <nlohmann/json.hpp>
 
+#include "bench/arguments.h"
 #include "bench/baselines.h"
 #include "bench/broad_run.h"
 #include "bench/broad_score.h"
@@ -160,16 +160,10 @@ int main(int argc, char** argv) {
   using namespace stillpoint::bench;
   std::string folder = STILLPOINT_SOURCE_DIR "/../shared/recordings/broad";
   bool json = false;
-  for (int i = 1; i < argc; ++i) {
-    if (std::strcmp(argv[i], "--json") == 0) {
-      json = true;
-    } else if (std::strcmp(argv[i], "--recordings") == 0 && i + 1 < argc) {
-      folder = argv[++i];
-    } else {
-      fmt::print(stderr, "usage: broad [--recordings FOLDER] [--json]\n");
-      return 64;
-    }
-  }
+  CLI::App app{"Attitude error on BROAD, the filter beside its peers"};
+  app.add_option("--recordings", folder, "folder of BROAD's recordings (.csv)")->capture_default_str();
+  app.add_flag("--json", json, "on standard output, instead of the table");
+  if (const auto end = parse(app, argc, argv)) return *end;
   const std::vector<Trial> trials = read_trials(folder);
   if (trials.empty()) {
     fmt::print(stderr, "{}: no trials here; give the folder of BROAD's recordings with --recordings\n", folder);

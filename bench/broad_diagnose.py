@@ -1,18 +1,16 @@
 #!/usr/bin/env python3
 """Diagnoses the 16 trials of BROAD against their optical reference and prints what a calibration engineer asks for.
 
-Usage: bench/broad_diagnose.py STILLPOINT FOLDER [TRIAL ...]
-
 Nothing that is known of the recordings is given to the tool: unit matrices, no offsets, the field of the place, noise of a
 consumer sensor. Devices are told apart by the lattice of the magnetometer's values (the export applied one calibration a
 device); whether trials of one device agree is printed under the table.
 """
+import argparse
 import glob
 import json
 import os
 import re
 import subprocess
-import sys
 import tempfile
 
 SIMULATION = """rate_hz: 285.714
@@ -82,13 +80,17 @@ def spread(rows):
 
 
 def main():
-    program, folder = sys.argv[1], sys.argv[2]
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("stillpoint", help="for example build/release/stillpoint")
+    parser.add_argument("folder", help="the recordings of BROAD (.csv)")
+    parser.add_argument("trials", nargs="*", help="their numbers, such as 01; all unless given")
+    given = parser.parse_args()
     devices = {}
-    for path in sorted(glob.glob(os.path.join(folder, "*.csv"))):
+    for path in sorted(glob.glob(os.path.join(given.folder, "*.csv"))):
         trial = os.path.basename(path)[:2]
-        if len(sys.argv) > 3 and trial not in sys.argv[3:]:
+        if given.trials and trial not in given.trials:
             continue
-        line = summary(diagnose(program, path))
+        line = summary(diagnose(given.stillpoint, path))
         devices.setdefault(line["device"], []).append((trial, line))
         print("%s  mag steps %s  hold %s  gyr lag ms %s  acc lag ms %s  arm mm %s  gyr D %% %s  %s" % (
             trial, line["device"], line["hold"], line["lag_gyr_ms"], line["lag_acc_ms"],

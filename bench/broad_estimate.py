@@ -1,16 +1,14 @@
 #!/usr/bin/env python3
 """Scores `stillpoint estimate`, the daemon's stages with calibration learning, on recordings with a reference orientation.
 
-  bench/broad_estimate.py build/release/stillpoint CONFIG.yaml RECORDING.csv...
-
 Per recording and in the mean: RMSE of the whole rotation, of the heading and of the inclination in degrees, over the rows
 with ref_moving = 1, by the definition of BROAD (Laidig et al. 2021): q_e = q_est q_ref^-1 in the world.
 """
+import argparse
 import csv
 import math
 import pathlib
 import subprocess
-import sys
 import tempfile
 
 
@@ -46,21 +44,21 @@ def score(tool, config, recording, folder):
     return [math.degrees(math.sqrt(s / count)) for s in sums]
 
 
-def main(arguments):
-    if len(arguments) < 3:
-        print(__doc__, file=sys.stderr)
-        return 64
-    tool, config, *recordings = arguments
+def main():
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("stillpoint", help="for example build/release/stillpoint")
+    parser.add_argument("config", help="of the daemon (.yaml)")
+    parser.add_argument("recordings", nargs="+", help="with reference columns (.csv)")
+    given = parser.parse_args()
     print(f"{'recording':<48} {'total':>7} {'heading':>8} {'inclination':>12}")
     results = []
     with tempfile.TemporaryDirectory() as folder:
-        for recording in recordings:
-            results.append(score(tool, config, recording, folder))
+        for recording in given.recordings:
+            results.append(score(given.stillpoint, given.config, recording, folder))
             print(f"{pathlib.Path(recording).stem:<48} {results[-1][0]:7.3f} {results[-1][1]:8.3f} {results[-1][2]:12.3f}")
     mean = [sum(r[k] for r in results) / len(results) for k in range(3)]
     print(f"{'mean of ' + str(len(results)):<48} {mean[0]:7.3f} {mean[1]:8.3f} {mean[2]:12.3f}")
-    return 0
 
 
 if __name__ == "__main__":
-    sys.exit(main(sys.argv[1:]))
+    main()

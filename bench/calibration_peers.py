@@ -1,11 +1,12 @@
 #!/usr/bin/env python3
-"""calibration_peers.py STILLPOINT: `stillpoint calibrate --points` beside two peers on the same points.
+"""`stillpoint calibrate --points` beside two peers on the same points.
 
 imu_tk: Tedaldi, Pretto, Menegatti, ICRA 2014, nonlinear least squares of the norm over nine parameters (offset, upper
 triangle) from the factory values; for the accelerometer only, as it starts from an offset of zero. magneto: Li and
 Griffiths, GMP 2004, the fit that only an ellipsoid can come out of, as the program magneto 1.2 uses it. Both written
 anew here. Needs numpy (Debian: python3-numpy).
 """
+import argparse
 import json
 import subprocess
 import sys
@@ -131,9 +132,9 @@ def cell(errors):
 
 
 def main():
-    if len(sys.argv) != 2:
-        sys.exit("usage: calibration_peers.py STILLPOINT, for example build/release/stillpoint")
-    stillpoint = sys.argv[1]
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("stillpoint", help="for example build/release/stillpoint")
+    stillpoint = parser.parse_args().stillpoint
     print(f"rms over {SEEDS} seeds of what the norm is off over EVEN directions, 1e-3 of the radius (mg); (failed fits)")
     print(f"{'':28s}{'points':>6s}{'noise':>8s}{'imu_tk':>14s}{'magneto':>14s}{'map':>14s}{'adjusted':>14s}")
     for n in (6, 9, 12, 24):

@@ -1,27 +1,27 @@
-/// Prints every calibration figure of docs/calibration.md: paper beside ours. Usage: calibration_tables [PART...]
-/// [--recordings DIR] with PART of gietzelt, zhang, worn, day, alignment, rest, recordings; all when none is named.
-#include "bench/calibration_tables.h"
+/// Prints every calibration figure of docs/calibration.md: paper beside ours. `--help` names the parts.
+#include <functional>
 
-#include <cstdio>
-#include <set>
+#include "bench/arguments.h"
+#include "bench/calibration_tables.h"
 
 int main(int argc, char** argv) {
   using namespace stillpoint::bench;
-  std::string recordings = std::string(STILLPOINT_SOURCE_DIR) + "/../shared/recordings";
-  std::set<std::string> parts;
-  for (int k = 1; k < argc; ++k) {
-    if (std::string(argv[k]) == "--recordings" && k + 1 < argc)
-      recordings = argv[++k];
-    else
-      parts.insert(argv[k]);
-  }
-  const auto wanted = [&parts](const char* part) { return parts.empty() || parts.count(part) > 0; };
-  if (wanted("gietzelt")) gietzelt_tables();
-  if (wanted("zhang")) zhang_tables();
-  if (wanted("worn")) worn_and_adjusted();
-  if (wanted("day")) simulated_day();
-  if (wanted("alignment")) alignment_and_gyro();
-  if (wanted("rest")) rest_detection();
-  if (wanted("recordings")) real_recordings(recordings);
+  std::string recordings = STILLPOINT_SOURCE_DIR "/../shared/recordings";
+  const std::vector<std::pair<std::string, std::function<void()>>> parts{
+      {"gietzelt", gietzelt_tables},
+      {"zhang", zhang_tables},
+      {"worn", worn_and_adjusted},
+      {"day", simulated_day},
+      {"alignment", alignment_and_gyro},
+      {"rest", rest_detection},
+      {"recordings", [&] { real_recordings(recordings); }}};
+  std::vector<std::string> names, wanted;
+  for (const auto& [name, print] : parts) names.push_back(name);
+  CLI::App app{"Every calibration figure of docs/calibration.md, paper beside ours"};
+  app.add_option("PART", wanted, "which to print; all unless given")->check(CLI::IsMember(names));
+  app.add_option("--recordings", recordings, "folder of the real recordings")->capture_default_str();
+  if (const auto end = parse(app, argc, argv)) return *end;
+  for (const auto& [name, print] : parts)
+    if (wanted.empty() || std::find(wanted.begin(), wanted.end(), name) != wanted.end()) print();
   return 0;
 }

@@ -5,8 +5,7 @@
 #include <fmt/ranges.h>
 #include <sys/resource.h>
 
-#include <CLI/CLI.hpp>
-
+#include "bench/arguments.h"
 #include "diagnosis/diagnose.h"
 #include "io/simulated_recording.h"
 
@@ -68,6 +67,6 @@ int main(int argc, char** argv) {
   app.add_option("--reference", reference, "exact or mocap")->check(CLI::IsMember({"exact", "mocap"}));
   app.add_option("--minutes", minutes, "length of the recording")->check(CLI::Range(1.0, 120.0));
   app.add_option("--below", below_s, "end with 1 when it takes more seconds of processor than this");
-  CLI11_PARSE(app, argc, argv);
+  if (const auto end = stillpoint::bench::parse(app, argc, argv)) return *end;
   return stillpoint::bench::run(reference, minutes, below_s);
 }

@@ -3,12 +3,12 @@
 /// Seeds are fixed; the figures do not depend on the machine.
 #include <fmt/format.h>
 
-#include <cstring>
 #include <fstream>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <optional>
 
+#include "bench/arguments.h"
 #include "bench/broad_run.h"
 #include "tests/fusion/random_motion.h"
 #include "tests/pipeline/simulated_run.h"
@@ -153,18 +153,11 @@ int main(int argc, char** argv) {
   std::string limits_file = STILLPOINT_SOURCE_DIR "/bench/drift_limits.json";
   std::string folder = STILLPOINT_SOURCE_DIR "/../shared/recordings/broad";
   bool json = false;
-  for (int i = 1; i < argc; ++i) {
-    if (std::strcmp(argv[i], "--json") == 0) {
-      json = true;
-    } else if (std::strcmp(argv[i], "--limits") == 0 && i + 1 < argc) {
-      limits_file = argv[++i];
-    } else if (std::strcmp(argv[i], "--recordings") == 0 && i + 1 < argc) {
-      folder = argv[++i];
-    } else {
-      fmt::print(stderr, "usage: drift [--limits FILE] [--recordings FOLDER] [--json]\n");
-      return 64;
-    }
-  }
+  CLI::App app{"Drift, bias and attitude error against stored limits; exit 1 when one is worse"};
+  app.add_option("--limits", limits_file, "the stored figures (.json)")->capture_default_str();
+  app.add_option("--recordings", folder, "folder of BROAD's recordings (.csv)")->capture_default_str();
+  app.add_flag("--json", json, "on standard output, instead of the table");
+  if (const auto end = parse(app, argc, argv)) return *end;
   std::ifstream in(limits_file);
   const nlohmann::json limits = nlohmann::json::parse(in, nullptr, false);
   if (limits.is_discarded() || !limits.contains("figures")) {

@@ -4,13 +4,13 @@
 #include <sys/utsname.h>
 #include <unistd.h>
 
-#include <CLI/CLI.hpp>
 #include <filesystem>
 #include <fstream>
 #include <iostream>
 #include <sstream>
 #include <thread>
 
+#include "bench/arguments.h"
 #include "bench/latency_report.h"
 #include "io/dds_domain.h"
 
@@ -182,11 +182,7 @@ int main(int argc, char** argv) {
   app.add_option("--receive", options.receive_channel)->group("");
   app.add_option("--where", options.where)->group("");
   app.add_option("--core", options.core)->group("");
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& e) {
-    return app.exit(e) == 0 ? 0 : 64;
-  }
+  if (const auto end = parse(app, argc, argv)) return *end;
   if (options.receive_channel.empty()) return run(options);
   schedule_this_thread(options.core, options.fifo_priority);
   return receive(options.receive_channel, options.where);

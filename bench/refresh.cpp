@@ -3,11 +3,11 @@
 /// repeats.
 #include <fmt/format.h>
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <memory>
 #include <thread>
 
+#include "bench/arguments.h"
 #include "bench/hand_samples.h"
 #include "pipeline/calibration_loop.h"
 #include "pipeline/realtime.h"
@@ -120,6 +120,6 @@ int main(int argc, char** argv) {
   CLI::App app{"Whether learning delays samples: the sensor thread at 1 kHz, with and without a thread that solves on"};
   app.add_option("--repeats", repeats)->check(CLI::Range(1, 1000))->capture_default_str();
   app.add_option("--seconds", seconds, "of each run")->check(CLI::Range(1.0, 3600.0))->capture_default_str();
-  CLI11_PARSE(app, argc, argv);
+  if (const auto end = stillpoint::bench::parse(app, argc, argv)) return *end;
   stillpoint::bench::compare(repeats, seconds);
 }

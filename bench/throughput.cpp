@@ -4,11 +4,11 @@
 #include <fmt/format.h>
 #include <sys/resource.h>
 
-#include <CLI/CLI.hpp>
 #include <chrono>
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "bench/arguments.h"
 #include "bench/hand_samples.h"
 #include "io/config.h"
 #include "io/recording.h"
@@ -145,10 +145,6 @@ int main(int argc, char** argv) {
   app.add_flag("--json", json);
   app.add_option("--day", day_h, "length of the long run at 200 Hz, h; 0: none")->capture_default_str();
   app.add_option("--at-least", at_least, "samples a second from memory; slower ends with exit code 1");
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& e) {
-    return app.exit(e) == 0 ? 0 : 64;
-  }
+  if (const auto end = stillpoint::bench::parse(app, argc, argv)) return *end;
   return stillpoint::bench::run(json, day_h, at_least);
 }
