@@ -33,6 +33,7 @@ int main(int argc, char** argv) {
   using namespace stillpoint;
   CLI::App cli{"Self-calibrating attitude, and the physics a simulation left out.", "stillpoint"};
   cli.set_version_flag("--version", "stillpoint " STILLPOINT_VERSION);
+  cli.require_subcommand(1);
   app::Run run;
   app::add_calibrate(cli, run);
   app::add_check(cli, run);
