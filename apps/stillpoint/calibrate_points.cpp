@@ -8,6 +8,7 @@
 
 #include "apps/stillpoint/calibrate.h"
 #include "apps/stillpoint/commands.h"
+#include "apps/stillpoint/json_text.h"
 #include "io/quote.h"
 #include "io/text_file.h"
 
@@ -192,8 +193,7 @@ int calibrate_points(const std::string& path, const std::string& method_name, co
   }
   const std::vector<double> residuals = table ? norm_residuals(fit, table->points) : std::vector<double>{};
   if (!json.empty()) {
-    const std::string text =
-        to_json(method_name, fit, count, residuals).dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+    const std::string text = json_text(to_json(method_name, fit, count, residuals));
     if (const auto written = io::write_text_file(json, text); !written) return report(written.error());
   }
   if (fit.status != calib::FitStatus::kOk)

@@ -6,12 +6,12 @@
 #include <array>
 #include <cmath>
 #include <cstdlib>
-#include <nlohmann/json.hpp>
 #include <span>
 
 #include "apps/stillpoint/calibrate.h"
 #include "apps/stillpoint/calibrate_report.h"
 #include "apps/stillpoint/commands.h"
+#include "apps/stillpoint/json_text.h"
 #include "apps/stillpoint/progress.h"
 #include "calib_online/field_turns.h"
 #include "calib_online/online_calibrator.h"
@@ -133,8 +133,7 @@ int calibrate_recording(const std::string& path, const std::string& json, const 
   const CalibrationRun run = calibrate(*recording, calibrator, gravity_mps2);
   Result<void> written;
   if (!json.empty())
-    written = io::write_text_file(
-        json, to_json(path, run).dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n");
+    written = io::write_text_file(json, json_text(to_json(path, run)));
   else
     print(path, run);
   // Last: what the run found is shown even where it cannot be kept.

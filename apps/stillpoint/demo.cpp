@@ -14,6 +14,7 @@
 #include "apps/stillpoint/dds_options.h"
 #include "apps/stillpoint/demo_score.h"
 #include "apps/stillpoint/demo_stage.h"
+#include "apps/stillpoint/json_text.h"
 #include "apps/stillpoint/watch_model.h"
 #include "core/clock.h"
 #include "core/units.h"
@@ -162,7 +163,7 @@ int demo(const DemoOptions& options) {
   if (!is_quiet(options)) print_result(options, *stage, listener.score, without, state);
   if (!options.json.empty()) {
     const auto json = result_json(options, *stage, listener.score, without, state);
-    if (const auto written = io::write_text_file(options.json, json.dump(2) + "\n"); !written)
+    if (const auto written = io::write_text_file(options.json, json_text(json)); !written)
       return report(written.error());
   }
   if (listener.score.count() == 0)

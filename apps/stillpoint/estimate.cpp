@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "apps/stillpoint/commands.h"
+#include "apps/stillpoint/json_text.h"
 #include "core/units.h"
 #include "io/config.h"
 #include "io/recording.h"
@@ -158,7 +159,7 @@ int run_estimate(const Arguments& a) {
   if (!summary) return report(summary.error());
   if (json != "-") print_text(*summary, stages, *recording, a);
   if (json.empty()) return 0;
-  const auto written = io::write_text_file(json, to_json(*summary, stages, *recording).dump(2) + "\n");
+  const auto written = io::write_text_file(json, json_text(to_json(*summary, stages, *recording)));
   return written ? 0 : report(written.error());
 }
 

@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "apps/stillpoint/commands.h"
+#include "apps/stillpoint/json_text.h"
 #include "apps/stillpoint/noise_report.h"
 #include "io/recording.h"
 #include "io/text_file.h"
@@ -116,7 +117,7 @@ int noise(const Options& options) {
   if (sensors.empty())
     return report(
         {ErrorKind::kBadData, fmt::format("{}: no acc, gyr or mag columns with readings at rest", options.recording)});
-  const std::string json = to_json(sensors, rate_hz, seconds).dump(1) + "\n", kalibr = kalibr_yaml(sensors, rate_hz);
+  const std::string json = json_text(to_json(sensors, rate_hz, seconds), 1), kalibr = kalibr_yaml(sensors, rate_hz);
   if (!*quiet)
     std::printf("%s\n+- and < are 95 %%; from %.1f s at %.6g Hz\n\n# simulation block\n%s\n# Kalibr imu.yaml\n%s",
                 noise_table(sensors).c_str(), seconds, rate_hz, noise_simulation_block(sensors, rate_hz).c_str(),

@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "apps/stillpoint/commands.h"
+#include "apps/stillpoint/json_text.h"
 #include "io/simulated_recording.h"
 #include "io/simulation_yaml.h"
 #include "io/text_file.h"
@@ -90,7 +91,7 @@ int write_truth(const Options& o, const sim::SimulationConfig& config, const Sce
   truth["field_world_uT"] = array(config.field_world_uT);
   truth["bouts"] = bouts;
   truth["simulation"] = io::format_simulation(config);
-  const auto written = io::write_text_file(o.truth, truth.dump(1) + "\n");
+  const auto written = io::write_text_file(o.truth, json_text(truth, 1));
   return written ? 0 : report(written.error());
 }
 

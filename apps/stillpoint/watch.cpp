@@ -6,6 +6,7 @@
 
 #include "apps/stillpoint/commands.h"
 #include "apps/stillpoint/dds_options.h"
+#include "apps/stillpoint/json_text.h"
 #include "apps/stillpoint/watch_model.h"
 #include "core/clock.h"
 #include "io/dds_subscriber.h"
@@ -36,7 +37,7 @@ bool wait_for(double seconds, const Condition& condition) {
 int print(const WatchState& state, const std::string& json_path) {
   const bool lines = json_path == "-";  // one state a line
   const auto written = json_path.empty() ? io::write_text_file("-", text_view(state))
-                                         : io::write_text_file(json_path, json_view(state).dump(lines ? -1 : 2) + "\n");
+                                         : io::write_text_file(json_path, json_text(json_view(state), lines ? -1 : 2));
   return written ? 0 : report(written.error());
 }
 
