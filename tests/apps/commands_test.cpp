@@ -26,6 +26,16 @@ class Commands : public ::testing::Test {
   std::string told_;
 };
 
+TEST_F(Commands, AnythingButOneCommandIsWrongUsage) {
+  for (const std::string arguments : {"", "--", "simulat", "effects check rec.csv", "effects --nothing"}) {
+    EXPECT_EQ(tool(arguments + " > out"), 64) << arguments;
+    EXPECT_NE(told_, "") << arguments;
+    EXPECT_EQ(read_file(folder_ / "out"), "") << arguments;
+  }
+  EXPECT_EQ(tool("--help > out"), 0);
+  EXPECT_THAT(read_file(folder_ / "out"), HasSubstr("Usage: stillpoint"));
+}
+
 TEST_F(Commands, AnOutputThatCannotBeWrittenIsNamedWithItsReason) {
   write_simulation();
   ASSERT_EQ(tool("simulate --simulation sim.yaml --output rec.csv"), 0) << told_;
@@ -88,7 +98,7 @@ TEST_F(Commands, AFullStandardOutputIsToldAndAFullStandardErrorEndsNothing) {
 
 TEST_F(Commands, ARecordingThatGetsNoReadingLeavesTheFileOfItsName) {
   write_file(folder_ / "kept.csv", "precious");
-  const std::string domain = std::to_string(own_domain());
+  const std::string domain = std::to_string(io::own_domain());
   EXPECT_EQ(tool("record --timeout 0 --domain " + domain + " --output kept.csv"), 69) << told_;
   EXPECT_EQ(read_file(folder_ / "kept.csv"), "precious");
   EXPECT_EQ(tool("record --timeout 0 --domain " + domain + " --output no/folder.csv"), 73) << told_;
