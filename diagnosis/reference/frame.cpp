@@ -54,6 +54,69 @@ double rms(const Series3& x, const Mask& muted) {
   return std::sqrt(sum / count);
 }
 
+/// One rotation for all sensors, and what it is known by.
+struct CommonTurn {
+  Vec3 phi = Vec3::Zero();
+  double half_rad = 0.0;  ///< of its 95 % interval
+  double gain_nats = 0.0;
+  Sensor sharpest = kAcc;
+};
+
+/// None where two sensors at least do not know it well, or one disagrees.
+std::optional<CommonTurn> common_turn(const std::vector<Turn>& turns) {
+  if (turns.size() < 2) return std::nullopt;
+  CommonTurn out;
+  double weight = 0.0;
+  for (const Turn& t : turns) {
+    const double w = 1.0 / (t.sd * t.sd + kFloor_rad * kFloor_rad);
+    out.phi += w * t.phi, weight += w;
+  }
+  out.phi /= weight;
+  const double size = out.phi.norm();
+  if (size < kLeast_rad) return std::nullopt;
+  const auto agrees = [&](const Turn& t) {
+    return (t.phi - out.phi).norm() < kAgreeShare * size + 4.0 * t.sd + kFloor_rad;
+  };
+  const auto sharp = [&](const Turn& t) { return 4.0 * t.sd < kSharpShare * size; };
+  if (!std::all_of(turns.begin(), turns.end(), agrees) || std::count_if(turns.begin(), turns.end(), sharp) < 2)
+    return std::nullopt;
+  out.half_rad = 1.96 / std::sqrt(weight);
+  for (const Turn& t : turns) {
+    out.half_rad = std::max(out.half_rad, (t.phi - out.phi).norm());  // as far as they disagree, it is not known
+    out.gain_nats += 0.5 * size * size / std::max(t.sd * t.sd, 1e-16);
+  }
+  out.sharpest =
+      std::min_element(turns.begin(), turns.end(), [](const Turn& a, const Turn& b) { return a.sd < b.sd; })->sensor;
+  return out;
+}
+
+Finding finding_of(const Signals& s, const std::vector<Turn>& turns, const CommonTurn& common) {
+  Finding f;
+  f.effect = "ref_frame";
+  f.equation = "true = exp(phi)' true of the reference's body, in all sensors";
+  f.driver = "attitude and rate";
+  f.regime = "all the time";
+  f.interval_s = {0.0, s.duration_s()};
+  for (const Turn& t : turns)
+    for (const char* axis : kAxisName) f.channels.push_back(std::string(kSensorName[t.sensor]) + "_" + axis);
+  for (int a = 0; a < 3; ++a) {
+    const double x = common.phi[a];
+    f.parameters.push_back({std::string("phi_") + kAxisName[static_cast<std::size_t>(a)],
+                            x,
+                            {x - common.half_rad, x + common.half_rad},
+                            "rad"});
+  }
+  f.held_out.unit = kSensorUnit[common.sharpest];
+  f.held_out.noise_floor = s.noise_sd[common.sharpest];
+  f.held_out.gain_nats = common.gain_nats;
+  f.p_value = chi_square_tail(2.0 * common.gain_nats, 3.0);
+  f.confidence = 0.99;
+  f.runner_up_effect = "wrong matrices";
+  f.runner_up_why_rejected = "those of all sensors would have to be turned by the same angles by chance";
+  f.decided_by = "a turn of the mount by a known angle; the sensor's own axes do not follow it";
+  return f;
+}
+
 }  // namespace
 
 void turn_into_sensor_frame(Signals& s, const Vec3& phi_rad) {
@@ -75,54 +138,15 @@ void find_frame(Signals& s, const sim::SimulationConfig& given, Answer& answer) 
   std::vector<Turn> turns;
   for (const Sensor k : {kAcc, kGyr, kMag})
     if (const auto t = turn_of(s, k)) turns.push_back(*t);
-  Vec3 sum = Vec3::Zero();
-  double weight = 0.0;
-  for (const Turn& t : turns) {
-    const double w = 1.0 / (t.sd * t.sd + kFloor_rad * kFloor_rad);
-    sum += w * t.phi, weight += w;
-  }
-  if (turns.size() < 2) return;
-  const Vec3 phi = sum / weight;
-  const double size = phi.norm();
-  if (size < kLeast_rad) return;
-  const auto agrees = [&](const Turn& t) {
-    return (t.phi - phi).norm() < kAgreeShare * size + 4.0 * t.sd + kFloor_rad;
-  };
-  const auto sharp = [&](const Turn& t) { return 4.0 * t.sd < kSharpShare * size; };
-  if (!std::all_of(turns.begin(), turns.end(), agrees) || std::count_if(turns.begin(), turns.end(), sharp) < 2) return;
-
-  Finding f;
-  f.effect = "ref_frame";
-  f.equation = "true = exp(phi)' true of the reference's body, in all sensors";
-  f.driver = "attitude and rate";
-  f.regime = "all the time";
-  f.interval_s = {0.0, s.duration_s()};
-  double gain = 0.0;
-  for (const Turn& t : turns) {
-    gain += 0.5 * phi.squaredNorm() / std::max(t.sd * t.sd, 1e-16);
-    for (const char* axis : kAxisName) f.channels.push_back(std::string(kSensorName[t.sensor]) + "_" + axis);
-  }
-  // As far as the sensors disagree, the turn is not known.
-  double disagreement = 0.0;
-  for (const Turn& t : turns) disagreement = std::max(disagreement, (t.phi - phi).norm());
-  const double half = std::max(1.96 / std::sqrt(weight), disagreement);
-  for (int a = 0; a < 3; ++a)
-    f.parameters.push_back(
-        {std::string("phi_") + kAxisName[static_cast<std::size_t>(a)], phi[a], {phi[a] - half, phi[a] + half}, "rad"});
-  const Sensor strongest =
-      std::min_element(turns.begin(), turns.end(), [](const Turn& a, const Turn& b) { return a.sd < b.sd; })->sensor;
-  f.held_out.unit = kSensorUnit[strongest];
-  f.held_out.rms_before = rms(s.residual[strongest], s.muted[strongest]);
-  turn_into_sensor_frame(s, phi);
-  f.held_out.rms_after = rms(s.residual[strongest], s.muted[strongest]);
-  f.held_out.noise_floor = s.noise_sd[strongest];
-  f.held_out.gain_nats = gain;
-  f.p_value = chi_square_tail(2.0 * gain, 3.0);
-  f.confidence = 0.99;
-  f.runner_up_effect = "wrong matrices";
-  f.runner_up_why_rejected = "those of all sensors would have to be turned by the same angles by chance";
-  f.decided_by = "a turn of the mount by a known angle; the sensor's own axes do not follow it";
+  const auto common = common_turn(turns);
+  if (!common) return;
+  const Sensor k = common->sharpest;
+  Finding f = finding_of(s, turns, *common);
+  f.held_out.rms_before = rms(s.residual[k], s.muted[k]);
+  turn_into_sensor_frame(s, common->phi);
+  f.held_out.rms_after = rms(s.residual[k], s.muted[k]);
   answer.diagnosis.findings.push_back(std::move(f));
+  const Vec3& phi = common->phi;
   answer.effects.push_back(
       {.id = "ref_frame", .parameters = {{"phi_rad", {phi[0], phi[1], phi[2]}}}, .axes = {}, .window_s = {}});
 }
