@@ -21,9 +21,9 @@ constexpr double kStillMotion = 0.3;                                       // ra
 
 struct Still {
   std::vector<double> t_s;
-  Eigen::MatrixXd mean;          ///< cell by axis
-  Eigen::VectorXd temp, supply;  ///< per cell; empty: not recorded
-  double cell_sd = 0.0;          ///< of a cell mean if the noise were white
+  Eigen::MatrixXd mean;  ///< cell by axis
+  Eigen::VectorXd temp;  ///< per cell; empty: not recorded
+  double cell_sd = 0.0;  ///< of a cell mean if the noise were white
 };
 
 Still cells_of(const io::Recording& r, Sensor s) {
@@ -35,7 +35,6 @@ Still cells_of(const io::Recording& r, Sensor s) {
   double difference = 0.0;
   for (std::size_t c = 0; c < n; ++c) {
     const auto row = static_cast<long>(c);
-    std::vector<double> temps;
     for (int k = 0; k < 3; ++k) {  // medians: a start-up transient of one row must not become a cell
       std::vector<double> v;
       for (std::size_t i = c * length; i < (c + 1) * length; ++i)
@@ -44,16 +43,12 @@ Still cells_of(const io::Recording& r, Sensor s) {
       std::nth_element(v.begin(), v.begin() + static_cast<long>(v.size() / 2), v.end());
       out.mean(row, k) = v[v.size() / 2];
     }
+    double temp_sum = 0.0, temp_count = 0.0;
     for (std::size_t i = c * length; i < (c + 1) * length; ++i) {
-      if (!r.temp_degC.empty() && std::isfinite(r.temp_degC[i])) temps.push_back(r.temp_degC[i]);
+      if (!r.temp_degC.empty() && std::isfinite(r.temp_degC[i])) temp_sum += r.temp_degC[i], temp_count += 1.0;
       if (i > 0 && y[i].allFinite() && y[i - 1].allFinite()) difference += (y[i] - y[i - 1]).squaredNorm() / 6.0;
     }
-    if (out.temp.size() > 0)
-      out.temp[row] = temps.empty() ? (c ? out.temp[row - 1] : 0.0) : [&] {
-        double sum = 0;
-        for (double t : temps) sum += t;
-        return sum / static_cast<double>(temps.size());
-      }();
+    if (out.temp.size() > 0) out.temp[row] = temp_count > 0 ? temp_sum / temp_count : c ? out.temp[row - 1] : 0.0;
     out.t_s.push_back(r.t_s(c * length));
   }
   out.cell_sd = 1.25 * std::sqrt(difference / static_cast<double>(n * length) / static_cast<double>(length));

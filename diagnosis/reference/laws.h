@@ -38,7 +38,7 @@ struct Law {
 
 /// Every law of one sensor whose drivers the recording holds. The columns refer to `s`, which must outlive them.
 [[nodiscard]] std::vector<Law> make_laws(const Signals& s, Sensor sensor);
-/// Products of drivers outside the catalogue, about a hundred a sensor.
+/// Products of drivers outside the catalogue, about two hundred a sensor.
 [[nodiscard]] std::vector<Law> make_unknown_laws(const Signals& s, Sensor sensor);
 
 }  // namespace stillpoint::diag

@@ -14,7 +14,7 @@ struct TimingLaw {
   std::function<Series3(const Eigen::VectorXd&)> delta;  ///< the predicted residual
 };
 
-/// The laws of one sensor; `from` is where a gap begins (the scan's best), sample index.
+/// The laws of one sensor; `gap_begin` is the sample where a gap begins; 0: no gap among them.
 [[nodiscard]] std::vector<TimingLaw> make_timing_laws(const Signals& s, Sensor sensor, Eigen::Index gap_begin);
 
 struct TimingFit {
