@@ -13,6 +13,7 @@ namespace {
 
 constexpr double kHeldShare = 0.1;          // of the turning rows; a lost frame now and then is not a slow camera
 constexpr double kTurning_radps = 0.3;      // 30 microradians a row even at 10 kHz: no rounding hides it
+constexpr std::size_t kFrozenRows = 3;      // turning ones in a stretch; fewer may be spikes of the gyroscope
 constexpr double kLongest = 2.5;            // step between frames that is bridged, over the usual one
 constexpr double kSlowestFrames_Hz = 15.0;  // hands move at up to 5 Hz; slower frames do not show how
 constexpr double kApart = 0.02;             // of the rows; fewer are lost readings of the others
@@ -85,12 +86,23 @@ std::vector<bool> repeats(const io::Recording& r) {
   return out;
 }
 
-/// Whether it repeats itself while the body turns: those values were filled in.
-bool is_held(const io::Recording& r, const std::vector<bool>& repeated) {
+/// Those of them that were filled in: all where it often repeats itself while the body turns, else the stretches over
+/// which it did.
+std::vector<bool> filled_in(const io::Recording& r) {
+  const std::vector<bool> repeated = repeats(r);
+  const auto turns = [&r](std::size_t i) { return !r.gyr_radps.empty() && r.gyr_radps[i].norm() > kTurning_radps; };
   double turning = 0.0, held = 0.0;
-  for (std::size_t i = 0; i < r.size() && !r.gyr_radps.empty(); ++i)
-    if (r.ref_q_world_body[i].allFinite() && r.gyr_radps[i].norm() > kTurning_radps) turning += 1, held += repeated[i];
-  return turning > 100 && held > kHeldShare * turning;
+  for (std::size_t i = 0; i < r.size(); ++i)
+    if (r.ref_q_world_body[i].allFinite() && turns(i)) turning += 1, held += repeated[i];
+  if (turning > 100 && held > kHeldShare * turning) return repeated;
+  std::vector<bool> out(r.size(), false);
+  for (std::size_t begin = 0, end = 0; begin < r.size(); begin = end + 1) {
+    std::size_t moved = 0;
+    for (end = begin; end < r.size() && repeated[end]; ++end) moved += turns(end);
+    if (moved >= kFrozenRows)
+      std::fill(out.begin() + static_cast<std::ptrdiff_t>(begin), out.begin() + static_cast<std::ptrdiff_t>(end), true);
+  }
+  return out;
 }
 
 /// The rows of the inertial sensors (of the magnetometer where it is alone), and those in which nothing was measured:
@@ -118,31 +130,32 @@ io::Recording rows_of_the_sensors(const io::Recording& r, std::vector<std::strin
 
 std::optional<io::Recording> rows_with_reference(const io::Recording& given, std::vector<std::string>& notices) {
   io::Recording r = given;
-  const std::vector<bool> repeated = repeats(r);
-  const bool held = is_held(r, repeated);
-  for (std::size_t i = 0; held && i < r.size(); ++i) {
-    if (!repeated[i]) continue;
+  const std::vector<bool> filled = filled_in(r);
+  const auto held = std::count(filled.begin(), filled.end(), true);
+  for (std::size_t i = 0; i < r.size(); ++i) {
+    if (!filled[i]) continue;
     r.ref_q_world_body[i].setConstant(io::kMissing);
     if (!r.ref_position_m.empty()) r.ref_position_m[i].setConstant(io::kMissing);
   }
   const Frames<Eigen::Vector4d> turns(r, r.ref_q_world_body);
   const Frames<Vec3> places(r, r.ref_position_m);
   r = rows_of_the_sensors(r, notices);
-  bool changed = held || r.size() < given.size();
+  bool changed = held > 0 || r.size() < given.size();
   if (auto even = with_lost_rows(r)) r = std::move(*even), changed = true;
   if (turns.rate_hz() >= kSlowestFrames_Hz) {
     changed = turns.fill(r, r.ref_q_world_body) || changed;
     changed = places.fill(r, r.ref_position_m) || changed;
   }
   if (!changed) return std::nullopt;
+  if (held > 0)
+    notices.push_back(
+        fmt::format("reference: in {} rows it repeats itself while the body turns; those values are taken out", held));
   const double rows_hz = 1.0 / std::max(r.median_step_s(), 1e-9);
   if (turns.rate_hz() < 0.9 * rows_hz)
-    notices.push_back(
-        fmt::format("reference: {}{:.4g} frames a second beside {:.4g} rows of the sensors; {}",
-                    held ? "it repeats itself while the body turns, and those values are taken out; " : "",
-                    turns.rate_hz(), rows_hz,
-                    turns.rate_hz() < kSlowestFrames_Hz ? "too few to know the motion between them"
-                                                        : "interpolated between its frames"));
+    notices.push_back(fmt::format("reference: {:.4g} frames a second beside {:.4g} rows of the sensors; {}",
+                                  turns.rate_hz(), rows_hz,
+                                  turns.rate_hz() < kSlowestFrames_Hz ? "too few to know the motion between them"
+                                                                      : "interpolated between its frames"));
   return r;
 }
 

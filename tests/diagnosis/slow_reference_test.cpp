@@ -90,6 +90,17 @@ TEST(SlowReference, EveryFormOfItGivesTheAnswerOfTheWholeOne) {
   }
 }
 
+TEST(SlowReference, ACameraThatFreezesIsNotComparedMeanwhile) {
+  io::Recording r = recorded("exact");
+  std::size_t begin = 600;
+  while (r.gyr_radps[begin].norm() < 1.0 || r.gyr_radps[begin + 50].norm() < 1.0) ++begin;
+  for (std::size_t i = begin; i < begin + 100; ++i)
+    r.ref_q_world_body[i] = r.ref_q_world_body[begin], r.ref_position_m[i] = r.ref_position_m[begin];
+  const Answer answer = diagnose(r, test::baseline("exact", 60.0));
+  EXPECT_THAT(test::names(answer), IsEmpty());
+  EXPECT_THAT(answer.diagnosis.notices, testing::Contains(HasSubstr("in 99 rows it repeats itself")));
+}
+
 TEST(SlowReference, TooFewFramesAreNotInterpolated) {
   const auto config = test::baseline("exact", 60.0);
   const Answer answer = diagnose(held_over(10, recorded("exact")), config);
