@@ -164,8 +164,8 @@ class Parser {
           out_.issues.not_finite.note(line_);
         } else if (field == kColumnGroupInfo[kTimeGroup].first) {
           if (!parse_time(text, columns_[c].to_si, value, t_ns))
-            return malformed(
-                start + 1, fmt::format("the time {} is out of range; 146 years either way are allowed", quote(text)));
+            return malformed(start + 1,
+                             fmt::format("the time {} is out of range; 146 years either way are allowed", quote(text)));
           time_read = true;
         } else {
           row_[field] = value * columns_[c].to_si;
