@@ -129,7 +129,7 @@ int calibrate_recording(const std::string& path, const std::string& json, const 
   std::string sensor_id = named != recording->header.end() ? named->second : "";
   if (!state.empty())
     if (const auto learnt = read_state(state, sensor_id, calibrator); !learnt) return report(learnt.error());
-  for (const auto& line : io::describe(recording->issues)) tell(path + ": " + line);
+  for (const auto& line : io::describe(recording->issues)) tell(fmt::format("{}: {}", path, line));
   const CalibrationRun run = calibrate(*recording, calibrator, gravity_mps2);
   Result<void> written;
   if (!json.empty())

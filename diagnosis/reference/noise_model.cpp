@@ -1,5 +1,6 @@
 #include "diagnosis/reference/noise_model.h"
 
+#include <algorithm>
 #include <cmath>
 #include <complex>
 #include <numbers>
@@ -8,7 +9,7 @@ namespace stillpoint::diag {
 namespace {
 
 constexpr double kFewestRegime_s = 8.0;  // less than this of one regime gives no autoregression of its own
-constexpr double kLeastCounted = 0.5;    // of the valid samples: a filter that leaves fewer between the holes is halved
+constexpr double kLeastCounted = 0.5;  // of the valid samples; a filter that leaves fewer between the holes is too long
 
 /// Levinson-Durbin on autocorrelations of lag 0..order. Returns the prediction coefficients.
 Eigen::VectorXd levinson(const Eigen::VectorXd& r) {
@@ -40,6 +41,18 @@ Eigen::VectorXd autocorrelation(const Layout& layout, const Eigen::ArrayXd& x) {
       r[lag] *= there.sum() / std::max((there.head(layout.n - lag) * there.tail(layout.n - lag)).sum(), 1.0);
   }
   return r;
+}
+
+/// Whether the holes are rows that were lost for every sensor, not those that one sensor's held or clipped values
+/// leave: between the latter, what a short filter would find is their pattern.
+bool rows_are_lost(const Signals& s, Sensor sensor) {
+  std::size_t holes = 0, shared = 0;
+  for (std::size_t i = 0; i < s.muted[sensor].size(); ++i) {
+    if (!s.muted[sensor][i]) continue;
+    ++holes;
+    shared += std::all_of(s.muted.begin(), s.muted.end(), [i](const Mask& muted) { return muted.empty() || muted[i]; });
+  }
+  return 2 * shared > holes;
 }
 
 /// A sample counts when it is there with all that the filter takes before it.
@@ -76,7 +89,8 @@ Layout make_layout(const Signals& s, Sensor sensor) {
     if (i > 0) layout.segments.back().end = i;
     layout.segments.push_back({i, s.n, regime_of(i)});
   }
-  for (; layout.order > 0; layout.order /= 2) {
+  const bool shorten = rows_are_lost(s, sensor);
+  for (; layout.order > 0; layout.order = shorten ? layout.order / 2 : 0) {
     count_samples(layout);
     if (layout.used() >= kLeastCounted * layout.present.sum()) return layout;
   }

@@ -1,0 +1,35 @@
+/// How long the noise model's filter is where samples are missing.
+#include "diagnosis/reference/noise_model.h"
+
+#include <gtest/gtest.h>
+
+namespace stillpoint::diag {
+namespace {
+
+/// Signals of which all but every `every`-th sample of the sensors are there.
+Signals with_holes(Eigen::Index every, bool in_all_sensors) {
+  Signals s;
+  s.n = 12'000;
+  s.dt_s = 0.01;
+  s.rest.assign(static_cast<std::size_t>(s.n), 0);
+  for (const Sensor k : {kAcc, kGyr, kMag}) {
+    s.muted[k].assign(static_cast<std::size_t>(s.n), 0);
+    for (Eigen::Index i = 0; i < s.n; i += every)
+      if (in_all_sensors || k == kMag) s.muted[k][static_cast<std::size_t>(i)] = 1;
+  }
+  return s;
+}
+
+TEST(NoiseModel, IsShorterWhereRowsAreLostAndWithoutMemoryWhereOneSensorsValuesAreSetAside) {
+  EXPECT_EQ(make_layout(with_holes(100, true), kMag).order, kAutoregressiveOrder) << "few holes";
+  EXPECT_EQ(make_layout(with_holes(100, false), kMag).order, kAutoregressiveOrder) << "few holes";
+  const Layout lost = make_layout(with_holes(12, true), kMag);
+  EXPECT_EQ(lost.order, 4);
+  EXPECT_EQ(lost.used(), 7000) << "of each 11 samples between two lost rows the first four are history";
+  const Layout held = make_layout(with_holes(12, false), kMag);
+  EXPECT_EQ(held.order, 0);
+  EXPECT_EQ(held.used(), 11'000);
+}
+
+}  // namespace
+}  // namespace stillpoint::diag
