@@ -3,7 +3,6 @@
 #pragma once
 #include <unistd.h>
 
-#include <fastrtps/xmlparser/XMLProfileManager.h>
 #include <bit>
 #include <chrono>
 #include <cmath>
@@ -23,13 +22,6 @@ inline io::DdsParams test_params(const char* transport = "udp") {
   params.domain = io::own_domain();
   params.transport = transport;
   return params;
-}
-
-/// Sends messages between two participants of this process through the transport, as between two processes.
-inline void use_the_transport_inside_the_process() {
-  eprosima::fastrtps::LibrarySettingsAttributes settings;
-  settings.intraprocess_delivery = eprosima::fastrtps::INTRAPROCESS_OFF;
-  eprosima::fastrtps::xmlparser::XMLProfileManager::library_settings(settings);
 }
 
 /// Polls until the condition holds, at most ten seconds.

@@ -24,7 +24,6 @@ using Clock = std::chrono::steady_clock;
 std::string domain() { return std::to_string(test_params().domain); }
 
 TEST(DdsPeers, ALateSubscriberGetsTheLatestCalibrationAndDiagnosticsAtOnce) {
-  test::use_the_transport_inside_the_process();
   auto publisher = io::DdsPublisher::create(test_params());
   ASSERT_TRUE(publisher) << publisher.error().message;
   CalibrationMessage old = test::calibration_message();
@@ -95,7 +94,6 @@ TEST(DdsPeers, TheReliableReadingsOfAnotherProcessAllArriveInOrder) {
 }
 
 TEST(DdsPeers, TwentySubscribersOnOneMachineAllGetTheAttitude) {
-  test::use_the_transport_inside_the_process();
   auto publisher = io::DdsPublisher::create(test_params());
   ASSERT_TRUE(publisher) << publisher.error().message;
   constexpr std::size_t kSubscribers = 20;

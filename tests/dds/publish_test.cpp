@@ -17,10 +17,7 @@ using test::bits;
 using test::eventually;
 using test::test_params;
 
-class OverTransport : public testing::TestWithParam<const char*> {
- protected:
-  void SetUp() override { test::use_the_transport_inside_the_process(); }
-};
+class OverTransport : public testing::TestWithParam<const char*> {};
 
 TEST_P(OverTransport, EveryAttitudeArrivesBitForBit) {
   std::mutex mutex;

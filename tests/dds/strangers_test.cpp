@@ -28,7 +28,6 @@ using Publisher = std::unique_ptr<io::DdsPublisher>;
 class Strangers : public testing::Test {
  protected:
   void SetUp() override {
-    test::use_the_transport_inside_the_process();
     auto publisher = io::DdsPublisher::create(test_params());
     ASSERT_TRUE(publisher) << publisher.error().message;
     publisher_ = std::move(*publisher);
