@@ -15,7 +15,12 @@ namespace {
 class Dice {
  public:
   explicit Dice(unsigned seed) : engine_(seed) {}
-  Vec3 normal3(double sd = 1.0) { return sd * Vec3(normal_(engine_), normal_(engine_), normal_(engine_)); }
+  /// One draw a line: in which order the arguments of a call are evaluated is the compiler's choice.
+  Vec3 normal3(double sd = 1.0) {
+    const double z = normal_(engine_);
+    const double y = normal_(engine_);
+    return sd * Vec3(normal_(engine_), y, z);
+  }
   Quat rotation() { return exp_quat(normal3(2.0)); }
 
  private:

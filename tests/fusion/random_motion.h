@@ -32,7 +32,10 @@ class RandomMotion {
     acc_bias_ = p_.acc_bias_sd_mps2 * normal3();
     for (int j = 0; j < 3; ++j) matrix_.col(j) = p_.gyr_matrix_sd * normal3();
     deviation_ = p_.deviation_rad * normal_(random_);
-    q_ = exp_quat(Vec3(0.3 * normal_(random_), 0.3 * normal_(random_), 3.0 * normal_(random_)));
+    // One draw a line: in which order the arguments of a call are evaluated is the compiler's choice.
+    const double heading_rad = 3.0 * normal_(random_);
+    const double pitch_rad = 0.3 * normal_(random_);
+    q_ = exp_quat(Vec3(0.3 * normal_(random_), pitch_rad, heading_rad));
   }
 
   /// Advances the truth by one period and reads the sensors; `still` holds the body where it is.
