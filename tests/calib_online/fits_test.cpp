@@ -31,10 +31,11 @@ class Dice {
 std::vector<Point> cloud(int n, double noise, unsigned seed) {
   Dice dice(seed);
   std::vector<Point> out;
-  for (int k = 0; k < n; ++k)
-    out.push_back({Vec3(Vec3(2300, 2250, 2340) + Vec3(480, 500, 520).cwiseProduct(dice.normal3().normalized()) +
-                        dice.normal3(noise)),
-                   std::nullopt});
+  for (int k = 0; k < n; ++k) {
+    const Vec3 error = dice.normal3(noise);
+    const Vec3 direction = dice.normal3().normalized();
+    out.push_back({Vec3(Vec3(2300, 2250, 2340) + Vec3(480, 500, 520).cwiseProduct(direction) + error), std::nullopt});
+  }
   return out;
 }
 
