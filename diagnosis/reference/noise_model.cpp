@@ -89,8 +89,7 @@ Layout make_layout(const Signals& s, Sensor sensor) {
     if (i > 0) layout.segments.back().end = i;
     layout.segments.push_back({i, s.n, regime_of(i)});
   }
-  const bool shorten = rows_are_lost(s, sensor);
-  for (; layout.order > 0; layout.order = shorten ? layout.order / 2 : 0) {
+  for (; layout.order > 0; layout.order = rows_are_lost(s, sensor) ? layout.order / 2 : 0) {
     count_samples(layout);
     if (layout.used() >= kLeastCounted * layout.present.sum()) return layout;
   }
