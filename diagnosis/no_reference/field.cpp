@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "core/so3.h"
+#include "diagnosis/median.h"
 
 namespace stillpoint::diag::detail {
 namespace {
@@ -30,12 +31,6 @@ struct Cell {
 };
 
 Vec3 corrected(const sim::TriadConfig& t, const Vec3& y) { return t.matrix * (y - t.bias); }
-
-double median(std::vector<double> v) {
-  if (v.empty()) return 0.0;
-  std::nth_element(v.begin(), v.begin() + static_cast<long>(v.size() / 2), v.end());
-  return v[v.size() / 2];
-}
 
 std::vector<Cell> cells_of(const io::Recording& r, const sim::SimulationConfig& simulation, const Forensics& raw,
                            const std::vector<RestWindow>& rest) {

@@ -9,6 +9,8 @@
 
 #include "diagnosis/prove/prove.h"
 
+#include "diagnosis/median.h"
+
 namespace stillpoint::diag {
 namespace {
 
@@ -78,12 +80,6 @@ std::vector<Line> rates(const Scores& scores) {
           {"solver failed", rate(
                                 scores, [](const CaseScore&) { return true; },
                                 [](const CaseScore& s) { return s.outcome == "failed"; })}};
-}
-
-double median(std::vector<double> v) {
-  if (v.empty()) return std::nan("");
-  std::nth_element(v.begin(), v.begin() + static_cast<long>(v.size() / 2), v.end());
-  return v[v.size() / 2];
 }
 
 std::string outcomes(const Scores& scores) {

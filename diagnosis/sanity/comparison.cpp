@@ -8,6 +8,7 @@
 #include <cmath>
 
 #include "core/so3.h"
+#include "diagnosis/median.h"
 
 namespace stillpoint::diag::detail {
 namespace {
@@ -15,14 +16,8 @@ namespace {
 constexpr std::size_t kParts = 4;
 constexpr double kPositionStencil_s = 0.06;  // second differences over this long, against the noise of the position
 constexpr double kTurning_radps = 0.2;
+constexpr std::size_t kLeastAngles = 20;
 constexpr std::size_t kMostRows = 4000;  // of those that are looked at
-
-double median(std::vector<double> v) {
-  if (v.size() < 20) return -1.0;
-  const auto middle = v.begin() + static_cast<std::ptrdiff_t>(v.size() / 2);
-  std::nth_element(v.begin(), middle, v.end());
-  return *middle;
-}
 
 }  // namespace
 
@@ -73,7 +68,7 @@ double Comparison::force_angle(const Convention& to_enu, bool with_position) con
     Vec3 measured, predicted;
     if (force(i, to_enu, with_position, measured, predicted)) angles.push_back(angle(measured, predicted));
   });
-  return median(std::move(angles));
+  return angles.size() < kLeastAngles ? -1.0 : median(std::move(angles));
 }
 
 double Comparison::field_angle() const {
@@ -82,7 +77,7 @@ double Comparison::field_angle() const {
     Vec3 measured, predicted;
     if (field(i, measured, predicted)) angles.push_back(angle(measured, predicted));
   });
-  return median(std::move(angles));
+  return angles.size() < kLeastAngles ? -1.0 : median(std::move(angles));
 }
 
 double Comparison::rate_agreement(const Convention& to_enu) const {

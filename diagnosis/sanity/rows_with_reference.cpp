@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "diagnosis/median.h"
 #include "diagnosis/sanity/readings.h"
 #include "diagnosis/sanity/rows.h"
 
@@ -31,8 +32,7 @@ class Frames {
     if (t_s_.size() < 2 * kReach) return;
     std::vector<double> steps;
     for (std::size_t k = 1; k < t_s_.size(); ++k) steps.push_back(t_s_[k] - t_s_[k - 1]);
-    std::nth_element(steps.begin(), steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 2), steps.end());
-    usual_s_ = steps[steps.size() / 2];
+    usual_s_ = median(std::move(steps));
   }
 
   [[nodiscard]] double rate_hz() const { return usual_s_ > 0 ? 1.0 / usual_s_ : 0.0; }

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "diagnosis/median.h"
 #include "diagnosis/sanity/sanity.h"
 
 namespace stillpoint::diag::detail {
@@ -13,13 +14,6 @@ namespace {
 
 constexpr double kBelieved = 2.2;   // a norm within this factor of the expected one is believed
 constexpr double kHopeless = 20.0;  // no launch lasts at so many g, no magnet is so strong for most of a recording
-
-double median(std::vector<double> v) {
-  if (v.empty()) return 0.0;
-  const auto middle = v.begin() + static_cast<std::ptrdiff_t>(v.size() / 2);
-  std::nth_element(v.begin(), middle, v.end());
-  return *middle;
-}
 
 /// Of the raw readings: the offset of the simulation, in the right unit, would hide readings in a wrong one.
 double median_norm(const std::vector<Vec3>& readings) {
