@@ -6,6 +6,7 @@
 
 #include "apps/stillpoint/watch_model.h"
 #include "core/units.h"
+#include "io/quote.h"
 
 namespace stillpoint::app {
 namespace {
@@ -47,7 +48,7 @@ nlohmann::json numbers(const std::array<double, N>& values) {
 
 std::string calibration_lines(const CalibrationMessage& message) {
   std::string out = fmt::format("calibration {}  sensor {}\n", message.snapshot.version,
-                                message.sensor_id.empty() ? "-" : message.sensor_id);
+                                message.sensor_id.empty() ? "-" : io::printable(message.sensor_id));
   const auto sensors = triads(message.snapshot);
   for (std::size_t i = 0; i < 3; ++i) {
     const TriadCalibration& c = *sensors[i];
@@ -57,7 +58,7 @@ std::string calibration_lines(const CalibrationMessage& message) {
         "  {}  {:<22} bias {:8.4f} {:8.4f} {:8.4f} +- {:.4f} {:.4f} {:.4f} {}  windows {}  {:.0f}..{:.0f} degC\n",
         kSensorName[i], word(c.status), scale * c.bias[0], scale * c.bias[1], scale * c.bias[2], scale * sd[0],
         scale * sd[1], scale * sd[2], kSensorUnit[i], c.windows, c.temp_min_degC, c.temp_max_degC);
-    if (!message.reasons[i].empty()) out += fmt::format("       {}\n", message.reasons[i]);
+    if (!message.reasons[i].empty()) out += fmt::format("       {}\n", io::printable(message.reasons[i]));
   }
   return out;
 }
@@ -139,7 +140,7 @@ std::string text_view(const WatchState& s) {
   out += fmt::format("latency p50 {:.0f} us  p99 {:.0f} us  max {:.0f} us\n", percentile_us(s.latency_counts, 0.5),
                      percentile_us(s.latency_counts, 0.99), 1e-3 * static_cast<double>(s.latency_max_ns));
   if (s.diagnostics && !s.diagnostics->last_refusal.empty())
-    out += fmt::format("rest refused: {}\n", s.diagnostics->last_refusal);
+    out += fmt::format("rest refused: {}\n", io::printable(s.diagnostics->last_refusal));
   if (s.age_s > 1.0) out += fmt::format("NO NEW ATTITUDE for {:.1f} s\n", s.age_s);
   return out;
 }
