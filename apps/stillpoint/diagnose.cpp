@@ -46,6 +46,14 @@ diag::Answer with_progress(const std::string& what, const io::Recording& recordi
   return diag::diagnose(recording, simulation, without, twins, [&progress](double share) { progress.at(share); });
 }
 
+/// How the baseline and the improved simulation stand to a recording that the diagnosis has not seen.
+std::string validation(const std::string& name, const io::Recording& other, const sim::SimulationConfig& baseline,
+                       const sim::SimulationConfig& improved) {
+  const diag::Answer before = with_progress("validating, before", other, baseline, {}, 0),
+                     after = with_progress("validating, after", other, improved, {}, 0);
+  return fmt::format("\nVALIDATE {}: before: {}  after: {}\n", name, before.diagnosis.summary, after.diagnosis.summary);
+}
+
 int run_diagnose(const Options& o) {
   const std::string json = o.json.file();
   const auto quiet = is_standard_output({json, o.report, o.improved});
@@ -56,31 +64,28 @@ int run_diagnose(const Options& o) {
   if (!simulation) return report(simulation.error());
   const auto recording = io::read_recording(o.recording, io::OnMalformedRow::kCount);
   if (!recording) return report(recording.error());
+  const auto other = o.validate.empty() ? io::Recording{} : io::read_recording(o.validate, io::OnMalformedRow::kCount);
+  if (!other) return report(other.error());
+
   diag::Answer answer = with_progress("diagnosing", *recording, *simulation, o.without, o.twins);
   for (const auto& line : io::describe(recording->issues)) answer.diagnosis.notices.push_back(line);
-  if (!*quiet) std::fputs(diag::to_text(answer.diagnosis).c_str(), stdout);
   sim::SimulationConfig improved = *simulation;
   improved.effects.insert(improved.effects.end(), answer.effects.begin(), answer.effects.end());
   const std::string blocks = blocks_to_paste(answer.effects);
+  if (!*quiet) std::fputs(diag::to_text(answer.diagnosis).c_str(), stdout);
   if (!*quiet && !blocks.empty()) std::printf("\nNEXT     put the physics where it is missing:\n%s", blocks.c_str());
+
+  const diag::ReportContext context{o.recording, o.simulation, o.validate, blocks};
   if (!o.improved.empty())
     if (const auto done = io::write_simulation(improved, o.improved); !done) return report(done.error());
-  if (!o.validate.empty()) {
-    const auto other = io::read_recording(o.validate, io::OnMalformedRow::kCount);
-    if (!other) return report(other.error());
-    const diag::Answer before = with_progress("validating, before", *other, *simulation, {}, 0),
-                       after = with_progress("validating, after", *other, improved, {}, 0);
-    std::fprintf(*quiet ? stderr : stdout, "\nVALIDATE %s: before: %s  after: %s\n", o.validate.c_str(),
-                 before.diagnosis.summary.c_str(), after.diagnosis.summary.c_str());
-  }
-  if (!o.report.empty()) {
-    const diag::ReportContext context{o.recording, o.simulation, o.validate, blocks};
+  if (!o.report.empty())
     if (const auto done = io::write_text_file(o.report, diag::report_html(answer.diagnosis, context)); !done)
       return report(done.error());
-  }
   if (!json.empty())
     if (const auto done = io::write_text_file(json, diag::to_json(answer.diagnosis)); !done)
       return report(done.error());
+  if (!o.validate.empty())
+    std::fputs(validation(o.validate, *other, *simulation, improved).c_str(), *quiet ? stderr : stdout);
   return o.fail_on_mismatch && !answer.diagnosis.findings.empty() ? static_cast<int>(ErrorKind::kThreshold) : 0;
 }
 

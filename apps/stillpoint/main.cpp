@@ -1,6 +1,8 @@
 /// `stillpoint`: the command line tool. `stillpoint --help` lists the commands.
 #include <fmt/format.h>
 
+#include <filesystem>
+
 #include "apps/stillpoint/commands.h"
 #include "io/yaml.h"
 
@@ -15,10 +17,31 @@ bool is_command(const CLI::App& cli, const std::string& word) {
   return false;
 }
 
+/// Fails (64) when two options name one file: what is to be read would be overwritten.
+stillpoint::Result<void> expect_files_apart(const CLI::App& command) {
+  namespace fs = std::filesystem;
+  std::vector<std::pair<std::string, fs::path>> named;
+  for (const CLI::Option* option : command.get_options()) {
+    for (const std::string& value : option->results()) {
+      std::error_code refused;  // no file: nothing can be lost
+      if (option->get_type_name() != "TEXT" || !fs::is_regular_file(value, refused)) continue;
+      for (const auto& [other, path] : named)
+        if (fs::equivalent(path, value, refused))
+          return stillpoint::fail(
+              stillpoint::ErrorKind::kUsage,
+              fmt::format("{} and {} name the same file, {}; give each its own", other, option->get_name(), value));
+      named.emplace_back(option->get_name(), value);
+    }
+  }
+  return {};
+}
+
 int parse_and_run(CLI::App& cli, const stillpoint::app::Run& run, int argc, char** argv) {
   using stillpoint::ErrorKind;
   try {
     cli.parse(argc, argv);
+    for (const CLI::App* command : cli.get_subcommands())
+      if (const auto apart = expect_files_apart(*command); !apart) return stillpoint::app::report(apart.error());
     return run();
   } catch (const CLI::ParseError& e) {
     return cli.exit(e) == 0 ? 0 : static_cast<int>(ErrorKind::kUsage);

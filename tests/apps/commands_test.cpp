@@ -76,6 +76,37 @@ TEST_F(Commands, StandardOutputTakesOneFileAndNothingElse) {
   EXPECT_THAT(read_file(folder_ / "out"), StartsWith("{"));
 }
 
+TEST_F(Commands, WhatIsReadIsNotOverwritten) {
+  write_simulation();
+  ASSERT_EQ(tool("simulate --simulation sim.yaml --output rec.csv"), 0) << told_;
+  write_file(folder_ / "config.yaml", "sensor: {id: a}\n");
+  std::filesystem::create_symlink("rec.csv", folder_ / "link.csv");
+  const std::string before = read_file(folder_ / "rec.csv");
+  for (const std::string command : {"simulate --simulation sim.yaml --motion rec.csv --output ./rec.csv",
+                                    "estimate --config config.yaml --recording rec.csv --output link.csv",
+                                    "noise --recording rec.csv --json rec.csv"}) {
+    EXPECT_EQ(tool(command), 64) << command;
+    EXPECT_THAT(told_, HasSubstr("name the same file")) << command;
+  }
+  EXPECT_EQ(read_file(folder_ / "rec.csv"), before);
+}
+
+TEST_F(Commands, AnImprovedSimulationIsJudgedOnAnotherRecording) {
+  const std::string sensors =
+      "accelerometer: {noise_mps2: 0.02}\ngyroscope: {noise_radps: 0.001}\nmotion: {kind: hand, duration_s: 60}\n";
+  write_file(folder_ / "plain.yaml", sensors);
+  write_file(folder_ / "real.yaml", sensors + "effects: [{effect: acc_lever, r_m: [0.1, 0.0, 0.05]}]\n");
+  for (const std::string seed : {"1", "2"})
+    ASSERT_EQ(tool("simulate --simulation real.yaml --seed " + seed + " --output " + seed + ".csv"), 0) << told_;
+  const std::string diagnose = "diagnose --simulation plain.yaml --recording 1.csv --improved better.yaml --validate ";
+  EXPECT_EQ(tool(diagnose + "nothing.csv > out"), 66);
+  EXPECT_EQ(read_file(folder_ / "out"), "");  // before the first search, not after it
+  ASSERT_EQ(tool(diagnose + "2.csv > out"), 0) << told_;
+  EXPECT_THAT(read_file(folder_ / "out"),
+              ::testing::ContainsRegex("VALIDATE 2.csv: before: .*acc_lever.* after: .*no"));
+  EXPECT_THAT(read_file(folder_ / "better.yaml"), HasSubstr("acc_lever"));
+}
+
 TEST_F(Commands, AFullStandardOutputIsToldAndAFullStandardErrorEndsNothing) {
   write_simulation();
   ASSERT_EQ(tool("simulate --simulation sim.yaml --output rec.csv"), 0) << told_;
