@@ -2,7 +2,7 @@
 """What the daemon needs: time to the first attitude, memory and its growth, processor share, sizes of the programs;
 and what a subscriber that listens all the while lost.
 
-`bench/footprint.py BUILD_FOLDER [--rate 1000] [--seconds 10] [--json]`. The sensor is the simulated one of
+`bench/footprint.py BUILD_FOLDER [--rate 1000] [--seconds 10] [--threads 'cpu_latency_us: 0'] [--json]`. The sensor is the simulated one of
 configs/sim_handheld.yaml at this rate; the figures include the simulator, which runs in the sensor thread.
 A soak is the same command with more seconds: `--rate 4000 --seconds 1800`.
 """
@@ -77,14 +77,14 @@ def stripped_size(program):
         return os.path.getsize(copy.name)
 
 
-def measure(build, rate_hz, seconds):
+def measure(build, rate_hz, seconds, threads):
     domain = unused_domain()
     with tempfile.TemporaryDirectory() as folder:
         folder = pathlib.Path(folder)
         write_sensor(folder / "sensor.yaml", rate_hz, seconds + 10)
         (folder / "daemon.yaml").write_text(
             "source: {kind: simulation, file: sensor.yaml, speed: 1, at_end: stop}\n"
-            f"sensor: {{id: footprint}}\ndds: {{domain: {domain}}}\n")
+            f"sensor: {{id: footprint}}\ndds: {{domain: {domain}}}\nthreads: {{{threads}}}\n")
         watch = subprocess.Popen([build / "stillpoint", "watch", "--domain", domain, "--once", "--seconds", "0.01",
                                   "--json", "-"], stdout=subprocess.DEVNULL)
         time.sleep(0.5)
@@ -108,12 +108,15 @@ def measure(build, rate_hz, seconds):
         finally:
             daemon.terminate()
             daemon.wait()
-        processing = re.search(r"processing_us p50=([\d.]+) p99=([\d.]+)", log.read_text())
+        said = log.read_text()
+        sys.stderr.writelines(line for line in said.splitlines(True) if "threads." in line)  # what was refused
+        processing = re.search(r"processing_us p50=([\d.]+) p99=([\d.]+)", said)
     share = {name: (s - used_before.get(name, 0.0)) / (t_after - t_before) for name, s in used.items()}
     return {
         "schema": "stillpoint.footprint/1",
         "rate_hz": rate_hz,
         "seconds": seconds,
+        "threads": threads,
         "start_to_first_attitude_s": round(first_s, 3),
         "rss_MB": course_kB[-1] / 1024,
         "rss_peak_MB": rss_peak / 1024,
@@ -133,12 +136,13 @@ def main():
     parser.add_argument("build", type=pathlib.Path, help="for example build/release")
     parser.add_argument("--rate", type=float, default=1000.0, help="Hz")
     parser.add_argument("--seconds", type=float, default=10.0)
+    parser.add_argument("--threads", default="", help="of the daemon's configuration, for example 'cpu_latency_us: 0'")
     parser.add_argument("--json", action="store_true")
     args = parser.parse_args()
     for name in ("stillpointd", "stillpoint"):
         if not (args.build / name).exists():
             sys.exit(f"footprint: {args.build / name}: no such program; build it first")
-    found = measure(args.build.resolve(), args.rate, args.seconds)
+    found = measure(args.build.resolve(), args.rate, args.seconds, args.threads)
     if args.json:
         print(json.dumps(found, indent=2))
         return

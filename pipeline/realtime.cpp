@@ -1,11 +1,14 @@
 #include "pipeline/realtime.h"
 
+#include <fcntl.h>
 #include <pthread.h>
 #include <sched.h>
 #include <sys/mman.h>
 #include <sys/prctl.h>
+#include <unistd.h>
 
 #include <cerrno>
+#include <cstdint>
 #include <cstring>
 
 namespace stillpoint::pipeline {
@@ -26,6 +29,15 @@ std::optional<std::string> lock_memory() {
   if (mlockall(MCL_CURRENT | MCL_FUTURE) == 0) return std::nullopt;
   return "memory stays unlocked: mlockall: " + reason(errno) +
          "; raise LimitMEMLOCK= in the unit (or ulimit -l), or set threads.lock_memory: false";
+}
+
+std::optional<std::string> limit_cpu_latency(int us) {
+  constexpr const char* kDevice = "/dev/cpu_dma_latency";
+  const std::int32_t wanted_us = us;
+  const int device = open(kDevice, O_WRONLY | O_CLOEXEC);  // the wish holds while it is open: never closed
+  if (device >= 0 && write(device, &wanted_us, sizeof wanted_us) == sizeof wanted_us) return std::nullopt;
+  return std::string("processors sleep as the system decides: ") + kDevice + ": " + reason(errno) +
+         "; let the daemon's user write it (a udev rule), or set threads.cpu_latency_us: -1";
 }
 
 std::vector<std::string> prepare_thread(const char* name, int core, int fifo_priority) {

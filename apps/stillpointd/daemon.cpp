@@ -158,6 +158,8 @@ int run_daemon(const io::DaemonConfig& config, const DaemonOptions& options) {
   if (!publisher) return report(publisher.error());
   if (config.threads.lock_memory)
     if (const auto refused = pipeline::lock_memory()) log(*refused);
+  if (config.threads.cpu_latency_us >= 0)
+    if (const auto refused = pipeline::limit_cpu_latency(config.threads.cpu_latency_us)) log(*refused);
   log(fmt::format("sensor {}, source {} at {}, world {}, domain {}, transport {}", config.sensor.id, config.source.file,
                   config.source.speed > 0 ? fmt::format("{}x", config.source.speed) : "full speed",
                   config.output.world_frame == pipeline::WorldFrame::kEnu ? "ENU" : "NED", config.dds.domain,

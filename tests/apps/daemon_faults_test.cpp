@@ -119,7 +119,7 @@ TEST_F(DaemonFaults, OneCoreIsEnough) {
 
 TEST_F(DaemonFaults, WithoutTheRightsItSaysWhatIsRefusedAndRunsOn) {
   if (geteuid() != 0) GTEST_SKIP() << "SKIPPED: only root can give its rights away";
-  configure("threads: {sensor_core: 1023, fifo_priority: 50, lock_memory: true}\n");
+  configure("threads: {sensor_core: 1023, fifo_priority: 50, lock_memory: true, cpu_latency_us: 0}\n");
   fs::create_directory(scratch_ / "state");
   fs::permissions(scratch_ / "", fs::perms::all);
   fs::permissions(scratch_ / "state", fs::perms::all);
@@ -134,11 +134,25 @@ TEST_F(DaemonFaults, WithoutTheRightsItSaysWhatIsRefusedAndRunsOn) {
   EXPECT_NE(log().find("memory stays unlocked"), std::string::npos) << log();
 #endif
   EXPECT_NE(log().find("not pinned to core 1023"), std::string::npos) << log();
+  EXPECT_NE(log().find("processors sleep as the system decides: /dev/cpu_dma_latency"), std::string::npos) << log();
 
   fs::permissions(scratch_ / "state", fs::perms::owner_read | fs::perms::owner_exec | fs::perms::others_exec);
   auto refused = start("", "refused");
   EXPECT_EQ(refused->wait(), 73) << log("refused");
   EXPECT_NE(log("refused").find("Permission denied"), std::string::npos) << log("refused");
+}
+
+TEST_F(DaemonFaults, TheLatencyAskedOfTheProcessorsIsHeldWhileItRuns) {
+  const std::string device = "/dev/cpu_dma_latency";
+  if (access(device.c_str(), W_OK) != 0) GTEST_SKIP() << "SKIPPED: " << device << " is not there or not ours to write";
+  configure("threads: {cpu_latency_us: 1000000}\n");  // so long that nothing changes for the others
+  auto daemon = start();
+  EXPECT_TRUE(keeps_a_state()) << log();
+  bool held = false;
+  for (const auto& file : fs::directory_iterator("/proc/" + std::to_string(daemon->id()) + "/fd"))
+    held = held || fs::read_symlink(file) == device;
+  EXPECT_TRUE(held) << log();
+  EXPECT_EQ(end(*daemon), 0);
 }
 
 TEST_F(DaemonFaults, AFolderOrADeviceInPlaceOfARecordingIsSaidToBeNone) {

@@ -45,6 +45,7 @@ class Process {
   Process& operator=(const Process&) = delete;
 
   [[nodiscard]] bool started() const { return pid_ > 0; }
+  [[nodiscard]] pid_t id() const { return pid_; }
   /// Does nothing when there is no child: kill(-1, ...) would reach every process of the user.
   void send(int signal_number) const {
     if (pid_ > 0) kill(pid_, signal_number);
