@@ -1,7 +1,8 @@
 #!/usr/bin/env bash
 # The system calls of the daemon's sensor thread while samples run: `bench/syscalls.sh [STILLPOINTD] [SECONDS]`.
-# Wanted: two clock_nanosleep a sample (until the rehearsal, until the sample is due), and what Fast DDS does inside write(): for UDP one sendto and one
-# setsockopt (its send time-out) a sample, and now and then a futex where another of its threads holds its lock.
+# Wanted: clock_nanosleep (until each step of the rehearsal that is still ahead, until the sample is due), and what Fast DDS does inside write(): for UDP one
+# sendto and one setsockopt (its send time-out) a sample, and now and then a futex where another of its threads holds its lock.
+# The trace slows the thread to some hundred samples a second, which leaves no time for rehearsals.
 # Reading the clock is no system call (vDSO). Needs strace. Exit 1 when the thread makes a call of its own beside the pacing.
 set -euo pipefail
 root=$(cd "$(dirname "$0")/.." && pwd)
