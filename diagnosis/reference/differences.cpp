@@ -1,6 +1,7 @@
 #include "diagnosis/reference/differences.h"
 
 #include <array>
+#include <cmath>
 #include <numeric>
 
 namespace stillpoint::diag {
@@ -58,6 +59,17 @@ Series3 derivative(const Series3& x, double dt_s) {
 Series3 second_derivative(const Series3& x, double dt_s) {
   static const Weights c = weights(2, kReach);
   return differences(x, c, 1.0) / (dt_s * dt_s);
+}
+
+double noise_of_derivative(double sd, double dt_s) {
+  static const Weights c = weights(1, kReach);
+  return sd * std::sqrt(2.0 * std::inner_product(c.begin(), c.end(), c.begin(), 0.0)) / dt_s;
+}
+
+double noise_of_second_derivative(double sd, double dt_s) {
+  static const Weights c = weights(2, kReach);
+  const double centre = 2.0 * std::accumulate(c.begin(), c.end(), 0.0);
+  return sd * std::sqrt(centre * centre + 2.0 * std::inner_product(c.begin(), c.end(), c.begin(), 0.0)) / (dt_s * dt_s);
 }
 
 Series derivative_error(const Series3& x, double dt_s) {

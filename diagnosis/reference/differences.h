@@ -12,6 +12,10 @@ inline constexpr Eigen::Index kStencilReach = 8;
 [[nodiscard]] Series3 derivative(const Series3& x, double dt_s);
 [[nodiscard]] Series3 second_derivative(const Series3& x, double dt_s);
 
+/// Standard deviation of the derivatives of white noise of the given one.
+[[nodiscard]] double noise_of_derivative(double sd, double dt_s);
+[[nodiscard]] double noise_of_second_derivative(double sd, double dt_s);
+
 /// What the next shorter stencil gives differently: the size of the error of the derivatives above, up to a factor of
 /// ten.
 [[nodiscard]] Series derivative_error(const Series3& x, double dt_s);

@@ -7,6 +7,7 @@
 
 #include "core/so3.h"
 #include "diagnosis/reference/band_limit.h"
+#include "diagnosis/reference/decimals.h"
 #include "diagnosis/reference/response.h"
 #include "diagnosis/reference/rest.h"
 #include "diagnosis/sanity/readings.h"
@@ -17,6 +18,7 @@ namespace {
 constexpr double kExactJitter_rad = 2e-6;  // a reference quieter than this is arithmetic, not a camera
 constexpr double kMotionOverNoise =
     60.0;  // power; the noise in a driver then costs a candidate less than it costs to be named
+constexpr double kSeenOverNoise = 0.05;  // an error of the reference that a sensor of this noise would show
 constexpr double kVibration_Hz = 15.0;
 constexpr double kEnds_s = 0.6;  // where differences are one-sided and filters lean on the mirror image
 
@@ -101,13 +103,13 @@ void mute_lost_reference(Signals& s, const io::Recording& recording) {
 /// A vibration near half the rate of the reference cannot be differentiated: where what is left of the error reaches
 /// the sensor's noise, nothing can be compared. A noisy reference carries its noise there, and no error is seen.
 void mute_unresolved(Signals& s, const std::array<Series, 2>& error) {
-  constexpr double kSeen = 0.05;  // of the noise of one sample; the error may be some times what the stencils differ by
   for (const Sensor k : {kAcc, kGyr}) {
     if (!s.present[k] || error[k].size() == 0) continue;
     const Series near = moving_mean(error[k].cwiseAbs2(), kStencilReach).cwiseSqrt();
     Eigen::Index count = 0;
     for (Eigen::Index i = 0; i < s.n; ++i)
-      if (std::uint8_t& muted = s.muted[k][static_cast<std::size_t>(i)]; near[i] > kSeen * s.noise_sd[k] && !muted)
+      if (std::uint8_t& muted = s.muted[k][static_cast<std::size_t>(i)];
+          near[i] > kSeenOverNoise * s.noise_sd[k] && !muted)
         muted = 1, ++count;
     const double share = static_cast<double>(count) / static_cast<double>(s.n);
     if (share < 0.005) continue;
@@ -118,6 +120,13 @@ void mute_unresolved(Signals& s, const std::array<Series, 2>& error) {
         "reference at four times the frequency of the vibration, or more",
         kSensorName[k], 100.0 * share, 1.0 / s.dt_s, s.present[k] ? "they are left out" : "the sensor is left out"));
   }
+}
+
+/// A reference of few decimals is a noisy one, although it is perfectly still at rest.
+bool rounding_shows(const Signals& s, const io::Recording& recording) {
+  const RoundingNoise noise = rounding_noise(recording, s.dt_s);
+  return (s.present[kGyr] && noise.rate_radps > kSeenOverNoise * s.noise_sd[kGyr]) ||
+         (s.present[kAcc] && noise.acceleration_mps2 > kSeenOverNoise * s.noise_sd[kAcc]);
 }
 
 void read_triads(Signals& s, const io::Recording& recording, const sim::SimulationConfig& simulation,
@@ -180,7 +189,7 @@ void predict(Signals& s, const io::Recording& recording) {
   const double jitter = rest_jitter(s, rate);
   s.has_rest = jitter >= 0.0;
   s.reference_jitter_rad = s.has_rest ? jitter * s.dt_s : own_jitter;
-  s.exact_reference = s.reference_jitter_rad < kExactJitter_rad;
+  s.exact_reference = s.reference_jitter_rad < kExactJitter_rad && !rounding_shows(s, recording);
   if (s.exact_reference)
     mute_unresolved(s, {s.has_position ? second_derivative_error(filled3(recording.ref_position_m), s.dt_s) : Series(),
                         2.0 * derivative_error(q.rightCols<3>(), s.dt_s)});

@@ -26,7 +26,7 @@ struct Signals {
   double start_s = 0.0;  ///< time of the first sample, of the recording's own clock
   Series t_s;            ///< from the start of the recording
   bool has_orientation = false, has_position = false;
-  bool exact_reference = false;  ///< its jitter at rest is far below what would disturb the residual
+  bool exact_reference = false;  ///< its jitter at rest and its rounding are far below what would disturb the residual
   bool has_rest = false;
   double reference_jitter_rad = 0.0;
   double gravity_mps2 = 9.80665, latitude_rad = 0.85;

@@ -82,6 +82,21 @@ TEST(Signals, FindNoRestWhereAQuietBoatSwings) {
   }
 }
 
+TEST(Signals, TakeAReferenceOfFewDecimalsForANoisyOne) {
+  auto config = baseline();
+  config.reference.kind = "exact";
+  const auto with_decimals = [&config](double rate_hz, double step_m) {
+    config.rate_hz = rate_hz;
+    io::Recording r = io::to_recording(sim::simulate(config, 5));
+    for (Vec3& p : r.ref_position_m) p = ((p / step_m).array().round() * step_m).matrix();
+    return *make_signals(r, config, {});
+  };
+  EXPECT_TRUE(with_decimals(50, 1e-7).exact_reference) << "0.0002 m/s^2 beside a noise of 0.02";
+  const Signals s = with_decimals(200, 1e-6);
+  EXPECT_FALSE(s.exact_reference) << "0.04 m/s^2, in motion only";
+  EXPECT_TRUE(s.notices.empty()) << "rounding is not a vibration: " << s.notices.front();
+}
+
 TEST(Differences, CarryAVibrationOfAFifthOfTheRateAndSayWhereTheyFail) {
   const double dt_s = 0.005;
   for (const double f_hz : {20.0, 40.0, 80.0}) {
