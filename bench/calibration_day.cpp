@@ -1,40 +1,16 @@
-/// MAP fit on worn directions, and a simulated day of 0 to 50 degC with hysteresis under each forgetting policy.
+/// A simulated day of 0 to 50 degC with hysteresis under each forgetting policy.
 #include <cstdio>
+#include <optional>
+#include <utility>
 
 #include "bench/calibration_tables.h"
 #include "calib_online/online_calibrator.h"
-#include "calib_online/points_fit.h"
 
 namespace stillpoint::bench {
 namespace {
 
 constexpr double kG = kStandardGravity_mps2;
 constexpr double kMg = 1e-3 * kG;
-
-// ---- worn directions
-// ---------------------------------------------------------------------------------------------------
-
-struct Truth {
-  Mat3 K;
-  Vec3 o;
-};
-/// A sensor drawn from the prior: 2 % scale, 1 % shear, 40 mg bias.
-Truth draw(Random& random) {
-  Truth t{Mat3::Identity(), random.normal3(0.04)};
-  for (int i = 0; i < 3; ++i) t.K(i, i) += random.normal(0.02);
-  for (int i = 0; i < 3; ++i)
-    for (int j = 0; j < i; ++j) t.K(i, j) = t.K(j, i) = random.normal(0.01 / 2);
-  return t;
-}
-double error_mg(const Truth& t, const calib::Ellipsoid& e) {
-  std::vector<double> out;
-  const Mat3 inv = t.K.inverse();
-  for (const Vec3& u : even_directions(300)) out.push_back(1000 * ((e.K * (inv * u + t.o - e.centre)).norm() - 1));
-  return rms(out);
-}
-
-// ---- the day
-// -----------------------------------------------------------------------------------------------------------
 
 /// The sensor's parameters of data-sheet size; temperature with a lag of 20 minutes for the hysteresis.
 struct DaySensor {
@@ -113,115 +89,151 @@ struct DayResult {
   double acc_mg[2]{}, gyr_dps[2]{}, factory_mg = 0, factory_dps = 0, last_window_dps = 0, worse = 0, predicted_mg = 0;
 };
 
-DayResult day(const calib::OnlineCalibratorParams& params, unsigned seed) {
-  Random random(seed);
-  const DaySensor sensor(random);
-  calib::OnlineCalibrator calibrator(params, CalibrationSnapshot{});
-  std::vector<double> acc[3], gyr[3], factory, factory_gyr, last_gyr, predicted;
-  int minutes = 0, worse = 0;
-  double lag = temperature(0);
-  Vec3 direction = Vec3::UnitZ(), last_rate = Vec3::Zero();
-  const auto directions = even_directions(60);
-  auto worn = worn_directions(random, 20000);
-  std::size_t next = 0;
-  bool moved = true;
-  for (int minute = 0; minute < 3 * 1440; ++minute) {
-    const double t_s = 60.0 * minute, T = temperature(t_s);
-    lag += (T - lag) * 60.0 / 1200.0;
-    // Every minute ends in rest with one chance in two, in a new posture with one in five.
-    if (random.uniform(0, 1) < 0.2) direction = worn[next++ % worn.size()], moved = true;
-    if (random.uniform(0, 1) < 0.5) {
-      calib::Window w;
-      w.t_start_ns = static_cast<std::int64_t>((t_s + 58.0) * 1e9);
-      w.t_end_ns = static_cast<std::int64_t>((t_s + 60.0) * 1e9);
-      w.has = kAcc | kGyr | kTemp;
-      w.temp_degC = T;
-      const bool pushed = random.uniform(0, 1) < 0.03;  // a steady acceleration that no statistic of the window can see
-      w.acc_mps2 = array(Vec3(sensor.acc(kG * direction, T, lag) + random.normal3(0.3 * kMg) +
-                              (pushed ? random.normal3(8 * kMg) : Vec3(Vec3::Zero()))));
-      w.acc_cov = array(Mat3(std::pow(0.3 * kMg, 2) * Mat3::Identity()));
-      last_rate = sensor.gyr_bias(T, lag) + random.normal3(0.005 * kRadPerDeg) +
-                  (random.uniform(0, 1) < 0.05 ? random.normal3(0.4 * kRadPerDeg) : Vec3(Vec3::Zero()));
-      w.gyr_radps = array(last_rate);
-      w.gyr_cov = array(Mat3(std::pow(0.005 * kRadPerDeg, 2) * Mat3::Identity()));
-      // Gravity bounds a turn about the level axes; the field, less well, one about the vertical.
-      w.turn_cov = array(Mat3(std::pow(0.01 * kRadPerDeg, 2) * Mat3::Identity() +
-                              std::pow(0.05 * kRadPerDeg, 2) * direction * direction.transpose()));
-      w.moved = moved;
-      moved = false;
-      calibrator.absorb(w);
-    }
-    const CalibrationSnapshot& s = calibrator.snapshot();
-    if (s.version == 0) continue;  // before the first window there is nothing to judge
-    std::vector<double> e, f;
-    for (const Vec3& u : directions) {
-      const Array3 y = array(sensor.acc(kG * u, T, lag));
-      e.push_back((s.acc.apply(y, T).norm() - kG) / kMg);
-      f.push_back((vec(y).norm() - kG) / kMg);
-    }
-    const int d = minute / 1440;
-    acc[d].push_back(rms(e));
-    gyr[d].push_back((s.gyr.bias_at(T) - sensor.gyr_bias(T, lag)).norm() / std::sqrt(3.0) * kDegPerRad);
-    if (d == 0) {
-      factory.push_back(rms(f));
-      factory_gyr.push_back(sensor.gyr_bias(T, lag).norm() / std::sqrt(3.0) * kDegPerRad);
-      last_gyr.push_back((last_rate - sensor.gyr_bias(T, lag)).norm() / std::sqrt(3.0) * kDegPerRad);
-      worse += rms(e) > rms(f) + 0.5;
-      ++minutes;
-    }
-    if (d == 2) predicted.push_back(s.acc.norm_sd / kMg);
+constexpr int kMinutesOfADay = 1440;
+
+/// A wearer's minutes: the temperature with its lag, and the windows of rest they bring.
+class Wear {
+ public:
+  explicit Wear(unsigned seed) : random_(seed), sensor_(random_), worn_(worn_directions(random_, 20000)) {}
+
+  /// One minute on. It ends in rest with one chance in two, in a new posture with one in five.
+  std::optional<calib::Window> minute(int index) {
+    const double t_s = 60.0 * index;
+    temp_degC_ = temperature(t_s);
+    lag_degC_ += (temp_degC_ - lag_degC_) * 60.0 / 1200.0;
+    if (random_.uniform(0, 1) < 0.2) direction_ = worn_[next_++ % worn_.size()], moved_ = true;
+    if (random_.uniform(0, 1) < 0.5) return window(t_s);
+    return std::nullopt;
   }
-  DayResult r;
-  r.acc_mg[0] = rms(acc[0]);
-  r.acc_mg[1] = rms(acc[2]);
-  r.gyr_dps[0] = rms(gyr[0]);
-  r.gyr_dps[1] = rms(gyr[2]);
-  r.factory_mg = rms(factory);
-  r.factory_dps = rms(factory_gyr);
-  r.last_window_dps = rms(last_gyr);
-  r.worse = 100.0 * worse / minutes;
-  r.predicted_mg = rms(predicted);
-  return r;
+  [[nodiscard]] double temp_degC() const { return temp_degC_; }
+  /// What the accelerometer reads now under the specific force `f_mps2`, without noise.
+  [[nodiscard]] Vec3 acc_mps2(const Vec3& f_mps2) const { return sensor_.acc(f_mps2, temp_degC_, lag_degC_); }
+  [[nodiscard]] Vec3 gyr_bias_radps() const { return sensor_.gyr_bias(temp_degC_, lag_degC_); }
+  [[nodiscard]] const Vec3& last_rate_radps() const { return last_rate_radps_; }
+
+ private:
+  calib::Window window(double t_s) {
+    calib::Window w;
+    w.t_start_ns = static_cast<std::int64_t>((t_s + 58.0) * 1e9);
+    w.t_end_ns = static_cast<std::int64_t>((t_s + 60.0) * 1e9);
+    w.has = kAcc | kGyr | kTemp;
+    w.temp_degC = temp_degC_;
+    const bool pushed = random_.uniform(0, 1) < 0.03;  // a steady acceleration that no statistic of the window can see
+    w.acc_mps2 = array(Vec3(acc_mps2(kG * direction_) + random_.normal3(0.3 * kMg) +
+                            (pushed ? random_.normal3(8 * kMg) : Vec3(Vec3::Zero()))));
+    w.acc_cov = array(Mat3(std::pow(0.3 * kMg, 2) * Mat3::Identity()));
+    last_rate_radps_ = gyr_bias_radps() + random_.normal3(0.005 * kRadPerDeg) +
+                       (random_.uniform(0, 1) < 0.05 ? random_.normal3(0.4 * kRadPerDeg) : Vec3(Vec3::Zero()));
+    w.gyr_radps = array(last_rate_radps_);
+    w.gyr_cov = array(Mat3(std::pow(0.005 * kRadPerDeg, 2) * Mat3::Identity()));
+    // Gravity bounds a turn about the level axes; the field, less well, one about the vertical.
+    w.turn_cov = array(Mat3(std::pow(0.01 * kRadPerDeg, 2) * Mat3::Identity() +
+                            std::pow(0.05 * kRadPerDeg, 2) * direction_ * direction_.transpose()));
+    w.moved = std::exchange(moved_, false);
+    return w;
+  }
+
+  Random random_;
+  DaySensor sensor_;
+  std::vector<Vec3> worn_;
+  std::size_t next_ = 0;
+  Vec3 direction_ = Vec3::UnitZ(), last_rate_radps_ = Vec3::Zero();
+  double temp_degC_ = temperature(0), lag_degC_ = temperature(0);
+  bool moved_ = true;
+};
+
+/// What the calibration leaves, minute by minute, beside what the factory's leaves.
+class DayErrors {
+ public:
+  void add(int minute, const Wear& wear, const CalibrationSnapshot& s) {
+    std::vector<double> after, before;
+    for (const Vec3& u : directions_) {
+      const Array3 y = array(wear.acc_mps2(kG * u));
+      after.push_back((s.acc.apply(y, wear.temp_degC()).norm() - kG) / kMg);
+      before.push_back((vec(y).norm() - kG) / kMg);
+    }
+    const int d = minute / kMinutesOfADay;
+    acc_mg_[d].push_back(rms(after));
+    gyr_dps_[d].push_back(dps_an_axis(s.gyr.bias_at(wear.temp_degC()) - wear.gyr_bias_radps()));
+    if (d == 0) {
+      factory_mg_.push_back(rms(before));
+      factory_dps_.push_back(dps_an_axis(wear.gyr_bias_radps()));
+      last_window_dps_.push_back(dps_an_axis(wear.last_rate_radps() - wear.gyr_bias_radps()));
+      worse_ += rms(after) > rms(before) + 0.5;
+    }
+    if (d == 2) predicted_mg_.push_back(s.acc.norm_sd / kMg);
+  }
+  [[nodiscard]] DayResult result() const {
+    DayResult r;
+    r.acc_mg[0] = rms(acc_mg_[0]);
+    r.acc_mg[1] = rms(acc_mg_[2]);
+    r.gyr_dps[0] = rms(gyr_dps_[0]);
+    r.gyr_dps[1] = rms(gyr_dps_[2]);
+    r.factory_mg = rms(factory_mg_);
+    r.factory_dps = rms(factory_dps_);
+    r.last_window_dps = rms(last_window_dps_);
+    r.worse = 100.0 * worse_ / static_cast<double>(factory_mg_.size());
+    r.predicted_mg = rms(predicted_mg_);
+    return r;
+  }
+
+ private:
+  static double dps_an_axis(const Vec3& rate_radps) { return rate_radps.norm() / std::sqrt(3.0) * kDegPerRad; }
+
+  std::vector<Vec3> directions_ = even_directions(60);
+  std::vector<double> acc_mg_[3], gyr_dps_[3], factory_mg_, factory_dps_, last_window_dps_, predicted_mg_;
+  int worse_ = 0;
+};
+
+DayResult day(const calib::OnlineCalibratorParams& params, unsigned seed) {
+  Wear wear(seed);
+  calib::OnlineCalibrator calibrator(params, CalibrationSnapshot{});
+  DayErrors errors;
+  for (int minute = 0; minute < 3 * kMinutesOfADay; ++minute) {
+    if (const auto window = wear.minute(minute)) calibrator.absorb(*window);
+    // before the first window there is nothing to judge
+    if (calibrator.snapshot().version > 0) errors.add(minute, wear, calibrator.snapshot());
+  }
+  return errors.result();
+}
+
+/// The days of all seeds under one policy.
+struct Days {
+  std::vector<double> acc1_mg, acc3_mg, gyr1_dps, gyr3_dps, worse, predicted_mg, factory_mg, factory_dps,
+      last_window_dps;
+  void add(const DayResult& r) {
+    acc1_mg.push_back(r.acc_mg[0]);
+    acc3_mg.push_back(r.acc_mg[1]);
+    gyr1_dps.push_back(r.gyr_dps[0]);
+    gyr3_dps.push_back(r.gyr_dps[1]);
+    worse.push_back(r.worse);
+    predicted_mg.push_back(r.predicted_mg);
+    factory_mg.push_back(r.factory_mg);
+    factory_dps.push_back(r.factory_dps);
+    last_window_dps.push_back(r.last_window_dps);
+  }
+  /// Standard error of the rms of day 1, from the scatter of its squares.
+  [[nodiscard]] double error_of_day1_mg() const {
+    std::vector<double> squared;
+    for (const double x : acc1_mg) squared.push_back(x * x);
+    return sd(squared) / std::sqrt(static_cast<double>(squared.size())) / (2.0 * rms(acc1_mg));
+  }
+};
+
+void print_line(const char* name, const Days& days, Figures& figures) {
+  const double over_actual = rms(days.predicted_mg) / rms(days.acc3_mg);
+  std::printf("%-38s %9.2f +- %.2f %9.2f %9.4f %9.4f %8.2f %9.2f\n", name, rms(days.acc1_mg), days.error_of_day1_mg(),
+              rms(days.acc3_mg), rms(days.gyr1_dps), rms(days.gyr3_dps), mean(days.worse), over_actual);
+  const std::string policy = name;
+  figures[policy + ".acc_day1_mg"] = rms(days.acc1_mg);
+  figures[policy + ".acc_day3_mg"] = rms(days.acc3_mg);
+  figures[policy + ".gyr_day1_dps"] = rms(days.gyr1_dps);
+  figures[policy + ".gyr_day3_dps"] = rms(days.gyr3_dps);
+  figures[policy + ".worse_percent"] = mean(days.worse);
+  figures[policy + ".predicted_over_actual"] = over_actual;
 }
 
 }  // namespace
-
-Figures worn_and_adjusted() {
-  Figures figures;
-  std::printf(
-      "\n== Worn directions, MAP fit ==\nsensor drawn from the prior (2 %% scale, 1 %% shear, 40 mg bias), noise 0.6 "
-      "%%, 40 seeds; mg rms over EVEN directions\n");
-  std::printf("%8s %8s %10s %16s %10s %10s\n", "windows", "MAP", "predicted", "predicted/actual", "LinAuto", "Mgn");
-  for (const int n : {12, 20, 150, 270, 1000}) {
-    std::vector<double> map, predicted, lin, mgn;
-    int mgn_failed = 0;
-    for (unsigned seed = 0; seed < 40; ++seed) {
-      Random random(500 + seed);
-      const Truth t = draw(random);
-      const Mat3 inv = t.K.inverse();
-      calib::Moments m;
-      const double sd = 0.006;
-      for (const Vec3& u : worn_directions(random, n)) m.add(Vec3(inv * u + t.o + random.normal3(sd)));
-      const Mat3 C = sd * sd * Mat3::Identity();
-      const auto fit = calib::map_fit(m.adjusted(C), sd, {0.02, 0.01, 0.04});
-      map.push_back(error_mg(t, fit.ellipsoid));
-      predicted.push_back(1000 * fit.norm_sd);
-      const auto l = calib::lin_auto(m);
-      if (l.status == calib::FitStatus::kOk)
-        lin.push_back(error_mg(t, {l.centre, Mat3(l.radii.cwiseInverse().asDiagonal())}));
-      const auto g = calib::general_fit(m);
-      if (g.status == calib::FitStatus::kOk)
-        mgn.push_back(error_mg(t, g.ellipsoid));
-      else
-        ++mgn_failed;
-    }
-    std::printf("%8d %8.1f %10.1f %16.2f %10.1f %10.1f (%d fail)\n", n, rms(map), rms(predicted),
-                rms(predicted) / rms(map), quantile(lin, .5), quantile(mgn, .5), mgn_failed);
-    figures["map_mg_" + std::to_string(n)] = rms(map);
-    figures["map_predicted_over_actual_" + std::to_string(n)] = rms(predicted) / rms(map);
-  }
-  return figures;
-}
 
 Figures simulated_day() {
   constexpr unsigned kSeeds = 60;
@@ -236,38 +248,15 @@ Figures simulated_day() {
                              {"plain", day_params("none", 1.0)},
                              {"forgetting of 1 h", day_params("none", 1.0 - 1.0 / 30.0)}};
   Figures figures;
-  double factory = 0, factory_dps = 0, last = 0;
+  Days days;
   for (const Policy& policy : policies) {
-    std::vector<double> a1, a1_squared, a3, g1, g3, worse, predicted, f, fg, lw;
-    for (unsigned seed = 0; seed < kSeeds; ++seed) {
-      const DayResult r = day(policy.params, 900 + seed);
-      a1.push_back(r.acc_mg[0]);
-      a1_squared.push_back(r.acc_mg[0] * r.acc_mg[0]);
-      a3.push_back(r.acc_mg[1]);
-      g1.push_back(r.gyr_dps[0]);
-      g3.push_back(r.gyr_dps[1]);
-      worse.push_back(r.worse);
-      predicted.push_back(r.predicted_mg);
-      f.push_back(r.factory_mg);
-      fg.push_back(r.factory_dps);
-      lw.push_back(r.last_window_dps);
-    }
-    factory = rms(f);
-    factory_dps = rms(fg);
-    last = rms(lw);
-    const double error = sd(a1_squared) / std::sqrt(double(kSeeds)) / (2.0 * rms(a1));
-    std::printf("%-38s %9.2f +- %.2f %9.2f %9.4f %9.4f %8.2f %9.2f\n", policy.name, rms(a1), error, rms(a3), rms(g1),
-                rms(g3), mean(worse), rms(predicted) / rms(a3));
-    const std::string name = policy.name;
-    figures[name + ".acc_day1_mg"] = rms(a1);
-    figures[name + ".acc_day3_mg"] = rms(a3);
-    figures[name + ".gyr_day1_dps"] = rms(g1);
-    figures[name + ".gyr_day3_dps"] = rms(g3);
-    figures[name + ".worse_percent"] = mean(worse);
-    figures[name + ".predicted_over_actual"] = rms(predicted) / rms(a3);
+    days = {};
+    for (unsigned seed = 0; seed < kSeeds; ++seed) days.add(day(policy.params, 900 + seed));
+    print_line(policy.name, days, figures);
   }
-  std::printf("%-38s %9.2f %17s %9s %9.3f\n%-38s %9s %17s %9s %9.3f\n", "factory calibration", factory, "", "",
-              factory_dps, "last window alone", "", "", "", last);
+  // The sensors are the same under each policy, and with them what the factory's calibration leaves.
+  std::printf("%-38s %9.2f %17s %9s %9.3f\n%-38s %9s %17s %9s %9.3f\n", "factory calibration", rms(days.factory_mg), "",
+              "", rms(days.factory_dps), "last window alone", "", "", "", rms(days.last_window_dps));
   std::printf(
       "polynomial: of temperature, with wander (default); cells: evidence tagged by temperature; plain: all windows "
       "and a prior\n");

@@ -1,4 +1,5 @@
 /// The online calibration on real recordings: what it improves on data that it did not learn from.
+#include <algorithm>
 #include <cstdio>
 #include <filesystem>
 
@@ -28,28 +29,35 @@ calib::OnlineCalibrator calibrated(const std::vector<Window>& windows) {
 }
 CalibrationSnapshot learn(const std::vector<Window>& windows) { return calibrated(windows).snapshot(); }
 
-/// Leave one pose out: windows of one direction together.
-void poses(const std::string& folder, Figures& figures) {
-  const auto r = io::read_recording(folder + "/mpu6050_poses/example_data_calibration.csv");
-  if (!r) return;
-  const auto windows = windows_of(*r, {});
-  std::vector<int> pose;
+/// Which pose each window shows: windows of one direction together, numbered as they come.
+std::vector<std::size_t> poses_of(const std::vector<Window>& windows) {
+  std::vector<std::size_t> pose;
   std::vector<Vec3> directions;
   for (const auto& w : windows) {
     const Vec3 u = vec(w.acc_mps2).normalized();
     std::size_t k = 0;
     while (k < directions.size() && directions[k].dot(u) < 0.94) ++k;
     if (k == directions.size()) directions.push_back(u);
-    pose.push_back(static_cast<int>(k));
+    pose.push_back(k);
   }
+  return pose;
+}
+
+/// Leave one pose out.
+void poses(const std::string& folder, Figures& figures) {
+  const auto r = io::read_recording(folder + "/mpu6050_poses/example_data_calibration.csv");
+  if (!r) return;
+  const auto windows = windows_of(*r, {});
+  const auto pose = poses_of(windows);
+  const std::size_t count = pose.empty() ? 0 : *std::max_element(pose.begin(), pose.end()) + 1;
   std::vector<double> before, after;
-  for (std::size_t held = 0; held < directions.size(); ++held) {
+  for (std::size_t held = 0; held < count; ++held) {
     std::vector<Window> rest;
     for (std::size_t k = 0; k < windows.size(); ++k)
-      if (pose[k] != static_cast<int>(held)) rest.push_back(windows[k]);
+      if (pose[k] != held) rest.push_back(windows[k]);
     const CalibrationSnapshot s = learn(rest);
     for (std::size_t k = 0; k < windows.size(); ++k) {
-      if (pose[k] != static_cast<int>(held)) continue;
+      if (pose[k] != held) continue;
       before.push_back(vec(windows[k].acc_mps2).norm() - kStandardGravity_mps2);
       after.push_back(s.acc.apply(windows[k].acc_mps2, windows[k].temp_degC).norm() - kStandardGravity_mps2);
     }
@@ -57,9 +65,8 @@ void poses(const std::string& folder, Figures& figures) {
   std::printf(
       "mpu6050_poses, %zu poses, each held out in turn: norm of the held-out pose off by %.3f m/s^2 rms before (%.2f "
       "to %.2f), %.3f after (%.3f to %.3f)\n",
-      directions.size(), rms(before), quantile(before, 0) + kStandardGravity_mps2,
-      quantile(before, 1) + kStandardGravity_mps2, rms(after), quantile(after, 0) + kStandardGravity_mps2,
-      quantile(after, 1) + kStandardGravity_mps2);
+      count, rms(before), quantile(before, 0) + kStandardGravity_mps2, quantile(before, 1) + kStandardGravity_mps2,
+      rms(after), quantile(after, 0) + kStandardGravity_mps2, quantile(after, 1) + kStandardGravity_mps2);
   figures["poses.after_mps2"] = rms(after);
 }
 
@@ -88,6 +95,11 @@ TurnSd turn_sd(const calib::OnlineCalibrator& c, const Vec3& raw) {
   return {sd_with(c.state().turns), sd_with({})};
 }
 
+/// The first row at or after a time.
+std::size_t row_at(const io::Recording& r, std::int64_t t_ns) {
+  return static_cast<std::size_t>(std::lower_bound(r.t_ns.begin(), r.t_ns.end(), t_ns) - r.t_ns.begin());
+}
+
 void ferraris(const std::string& folder, Figures& figures) {
   const auto r = io::read_recording(folder + "/ferraris/ferraris_session.csv");
   if (!r) return;
@@ -97,10 +109,7 @@ void ferraris(const std::string& folder, Figures& figures) {
       "open "
       "of it (1 sd), and left open before:\n");
   for (std::size_t k = 1; k < windows.size(); ++k) {
-    std::size_t from = 0, to = 0;
-    while (from < r->size() && r->t_ns[from] < windows[k - 1].t_end_ns) ++from;
-    to = from;
-    while (to < r->size() && r->t_ns[to] < windows[k].t_start_ns) ++to;
+    const std::size_t from = row_at(*r, windows[k - 1].t_end_ns), to = row_at(*r, windows[k].t_start_ns);
     std::vector<Window> others = windows;
     others[k].rotation_valid = false;
     const auto c = calibrated(others);
@@ -163,11 +172,27 @@ double error_of_change(const std::vector<double>& before, const std::vector<doub
   return sd(d) / std::sqrt(static_cast<double>(d.size())) / (rms(before) + rms(after));
 }
 
-void broad(const std::string& folder, Figures& figures) {
+/// Rotation over 10 s of motion with a matrix learnt elsewhere, trial by trial.
+void rotation_of_trials(const std::string& folder, const Mat3& learnt, Figures& figures) {
   const std::vector<std::string> trials{
       "01_undisturbed_slow_rotation_A",    "03_undisturbed_slow_rotation_C",
       "06_undisturbed_fast_rotation_A",    "08_undisturbed_fast_rotation_with_breaks_A",
       "10_undisturbed_slow_translation_A", "15_undisturbed_fast_translation_A"};
+  std::printf(
+      "  rotation over 10 s of motion against the reference, deg rms, bias from each trial's own rest: factory -> from "
+      "the reference of trial 04, the change with its standard error\n");
+  for (const auto& name : trials) {
+    const auto r = io::read_recording(folder + "/broad/" + name + ".csv");
+    if (!r) continue;
+    const auto segments = reference_segments(*r, learn(windows_of(*r, {})).gyr, 10.0);
+    const auto before = rotation_errors_deg(segments, Mat3::Identity()), after = rotation_errors_deg(segments, learnt);
+    std::printf("    %-46s %.3f -> %.3f   %+.3f +- %.3f\n", name.c_str(), rms(before), rms(after),
+                rms(after) - rms(before), error_of_change(before, after));
+    figures["broad." + name.substr(0, 2)] = rms(after) / rms(before);
+  }
+}
+
+void broad(const std::string& folder, Figures& figures) {
   const auto learner = io::read_recording(folder + "/broad/04_undisturbed_slow_rotation_with_breaks_A.csv");
   if (!learner) return;
   const auto windows = windows_of(*learner, {});
@@ -186,19 +211,7 @@ void broad(const std::string& folder, Figures& figures) {
   for (int k = 0; k < 3; ++k)
     std::printf("    %8.4f %8.4f %8.4f      %8.4f %8.4f %8.4f\n", by_gravity(k, 0), by_gravity(k, 1), by_gravity(k, 2),
                 by_reference(k, 0), by_reference(k, 1), by_reference(k, 2));
-  std::printf(
-      "  rotation over 10 s of motion against the reference, deg rms, bias from each trial's own rest: factory -> from "
-      "the reference of trial 04, the change with its standard error\n");
-  for (const auto& name : trials) {
-    const auto r = io::read_recording(folder + "/broad/" + name + ".csv");
-    if (!r) continue;
-    const auto segments = reference_segments(*r, learn(windows_of(*r, {})).gyr, 10.0);
-    const auto before = rotation_errors_deg(segments, Mat3::Identity()),
-               after = rotation_errors_deg(segments, by_reference);
-    std::printf("    %-46s %.3f -> %.3f   %+.3f +- %.3f\n", name.c_str(), rms(before), rms(after),
-                rms(after) - rms(before), error_of_change(before, after));
-    figures["broad." + name.substr(0, 2)] = rms(after) / rms(before);
-  }
+  rotation_of_trials(folder, by_reference, figures);
 }
 
 }  // namespace

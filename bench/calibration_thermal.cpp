@@ -80,6 +80,30 @@ class FrozenBias {
   std::array<bool, 3> follows_{true, true, true};
 };
 
+/// Fits one half and predicts the other without learning from it.
+void predict_half(bool gyro, bool fit_falling, const std::vector<Block>& fitted, const std::vector<Block>& other,
+                  Figures& figures) {
+  const double shown = gyro ? kDegPerRad : 1.0;
+  const FrozenBias bias(gyro, fitted);
+  Vec3 mean_fitted = Vec3::Zero();
+  for (const Block& b : fitted) mean_fitted += b.mean / double(fitted.size());
+  std::vector<double> before[3], after[3], inside[3];
+  for (const Block& b : other)
+    for (int axis = 0; axis < 3; ++axis) {
+      before[axis].push_back(shown * (b.mean - mean_fitted)[axis]);
+      after[axis].push_back(shown * (b.mean - bias.at(b.temp_degC))[axis]);
+      if (bias.seen(b.temp_degC)) inside[axis].push_back(after[axis].back());
+    }
+  std::printf("  %s, fit on the %s half:", gyro ? "gyro, deg/s" : "acc, m/s^2", fit_falling ? "falling" : "rising");
+  for (int axis = 0; axis < 3; ++axis) {
+    std::printf("   %.3f -> %.3f", rms(before[axis]), rms(after[axis]));
+    figures[std::string("chamber.") + (gyro ? "gyr_" : "acc_") + "xyz"[axis] + (fit_falling ? "_falling" : "_rising")] =
+        rms(after[axis]) / rms(before[axis]);
+  }
+  std::printf("   (%zu of %zu blocks at temperatures that the fitted half saw: %.3f %.3f %.3f)\n", inside[0].size(),
+              other.size(), rms(inside[0]), rms(inside[1]), rms(inside[2]));
+}
+
 }  // namespace
 
 void thermal_chamber(const std::string& folder, Figures& figures) {
@@ -93,30 +117,9 @@ void thermal_chamber(const std::string& folder, Figures& figures) {
       r->temp_degC.front(), r->temp_degC[coldest], r->temp_degC.back());
   for (const bool gyro : {true, false}) {
     const auto& y = gyro ? r->gyr_radps : r->acc_mps2;
-    const double shown = gyro ? kDegPerRad : 1.0;
     const auto falling = blocks(*r, y, 0, coldest), rising = blocks(*r, y, coldest, r->size());
-    for (const bool fit_falling : {true, false}) {
-      const auto& fitted = fit_falling ? falling : rising;
-      const auto& other = fit_falling ? rising : falling;
-      const FrozenBias bias(gyro, fitted);
-      Vec3 mean_fitted = Vec3::Zero();
-      for (const Block& b : fitted) mean_fitted += b.mean / double(fitted.size());
-      std::vector<double> before[3], after[3], inside[3];
-      for (const Block& b : other)
-        for (int axis = 0; axis < 3; ++axis) {
-          before[axis].push_back(shown * (b.mean - mean_fitted)[axis]);
-          after[axis].push_back(shown * (b.mean - bias.at(b.temp_degC))[axis]);
-          if (bias.seen(b.temp_degC)) inside[axis].push_back(after[axis].back());
-        }
-      std::printf("  %s, fit on the %s half:", gyro ? "gyro, deg/s" : "acc, m/s^2", fit_falling ? "falling" : "rising");
-      for (int axis = 0; axis < 3; ++axis) {
-        std::printf("   %.3f -> %.3f", rms(before[axis]), rms(after[axis]));
-        figures[std::string("chamber.") + (gyro ? "gyr_" : "acc_") + "xyz"[axis] +
-                (fit_falling ? "_falling" : "_rising")] = rms(after[axis]) / rms(before[axis]);
-      }
-      std::printf("   (%zu of %zu blocks at temperatures that the fitted half saw: %.3f %.3f %.3f)\n", inside[0].size(),
-                  other.size(), rms(inside[0]), rms(inside[1]), rms(inside[2]));
-    }
+    predict_half(gyro, true, falling, rising, figures);
+    predict_half(gyro, false, rising, falling, figures);
   }
 }
 
