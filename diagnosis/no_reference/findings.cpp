@@ -62,16 +62,8 @@ bool wanders(const SelfConsistency& model, Sensor sensor) {
   return successive < 1.0 * spread && differing > 0.3 * 3.0 * static_cast<double>(rests);
 }
 
-}  // namespace
-
-Finding describe(const SelfConsistency& model, const Candidate& c, const std::vector<Candidate>& ranking) {
-  Finding f;
-  f.effect = c.law->id;
-  f.equation = c.law->equation;
-  f.driver = c.law->driver;
-  const auto columns = c.law->columns(c.grid_value);
-  const auto& r = model.recording();
-  f.interval_s = {r.t_s(0), r.t_s(r.size() - 1)};
+/// The coefficients with their intervals, and the channels in which they matter.
+void fill_parameters(const Candidate& c, Finding& f) {
   Vec3 significance = Vec3::Zero();
   for (std::size_t i = 0; i < c.law->names.size(); ++i) {
     const auto k = static_cast<long>(i);
@@ -89,9 +81,10 @@ Finding describe(const SelfConsistency& model, const Candidate& c, const std::ve
     f.parameters.push_back({c.law->grid_name, c.grid_value, c.grid_ci95, c.law->grid_unit});
     if (c.law->grid_name == "t0") f.interval_s[0] = c.grid_value;
   }
-  f.regime = c.law->sensor == kGyr
-                 ? "seen in the rate at rest and in how the integrated attitude turns field and gravity"
-                 : "seen in the field against the attitude integrated from the gyro";
+}
+
+/// Which other names would do as well, and why the next one was not taken.
+void fill_rivals(const Candidate& c, const std::vector<Candidate>& ranking, Finding& f) {
   for (const auto& other : ranking) {
     if (other.law->id == c.law->id || other.score <= 0) continue;
     if (c.score - other.score < kEquivalent_nats && f.equivalent.size() < 2) f.equivalent.push_back(other.law->id);
@@ -105,6 +98,23 @@ Finding describe(const SelfConsistency& model, const Candidate& c, const std::ve
   if (c.law->id == "mag_delay") f.equivalent = {"mag_lpf"};
   f.decided_by = f.equivalent.empty() ? "a recording with a reference orientation would test it against motion as well"
                                       : "a recording with a reference orientation and more attitudes at rest";
+}
+
+}  // namespace
+
+Finding describe(const SelfConsistency& model, const Candidate& c, const std::vector<Candidate>& ranking) {
+  Finding f;
+  f.effect = c.law->id;
+  f.equation = c.law->equation;
+  f.driver = c.law->driver;
+  const auto& r = model.recording();
+  f.interval_s = {r.t_s(0), r.t_s(r.size() - 1)};
+  fill_parameters(c, f);
+  f.regime = c.law->sensor == kGyr
+                 ? "seen in the rate at rest and in how the integrated attitude turns field and gravity"
+                 : "seen in the field against the attitude integrated from the gyro";
+  fill_rivals(c, ranking, f);
+  const auto columns = c.law->columns(c.grid_value);
   const auto held_out = model.held_out(columns, c.applied);
   f.held_out.gain_nats = held_out.nats, f.held_out.blocks_better = held_out.blocks_better,
   f.held_out.blocks = held_out.blocks;

@@ -195,56 +195,41 @@ class Laws {
       for (std::size_t i = 0; i < c[0].unit.size(); ++i) c[0].unit[i] = m_.rate_radps()[i].cross(m_.field_uT()[i]);
       return c;
     });
-    const auto after = [this](std::size_t i, double t0) { return m_.recording().t_s(i) > t0 ? 1.0 : 0.0; };
-    laws_.push_back(
-        {"mag_hard_step",
-         "D = b 1(t > t0)",
-         "time",
-         kMag,
-         {"b_x", "b_y", "b_z"},
-         "uT",
-         "t0",
-         "s",
-         step_times(),
-         [this, after](double t0) { return diagonal(kMag, [=](std::size_t i, int) { return after(i, t0); }); }});
-    laws_.push_back({"mag_field_step",
-                     "D = R^T b_w 1(t > t0)",
-                     "time and attitude",
-                     kMag,
-                     {"b_wx", "b_wy", "b_wz"},
-                     "uT",
-                     "t0",
-                     "s",
-                     step_times(),
-                     [this, after](double t0) {
-                       std::vector<LawColumn> c;
-                       for (int j = 0; j < 3; ++j) {
-                         c.push_back({kMag, std::vector<Vec3>(m_.recording().size())});
-                         for (std::size_t i = 0; i < c.back().unit.size(); ++i)
-                           c.back().unit[i] = after(i, t0) * m_.R_world_body()[i].row(j).transpose();
-                       }
-                       return c;
-                     }});
-    laws_.push_back({"mag_soft_step",
-                     "D = M m 1(t > t0)",
-                     "time and field",
-                     kMag,
-                     {"M_xx", "M_xy", "M_xz", "M_yx", "M_yy", "M_yz", "M_zx", "M_zy", "M_zz"},
-                     "1",
-                     "t0",
-                     "s",
-                     step_times(),
-                     [this, after](double t0) {
-                       std::vector<LawColumn> c;
-                       for (int i = 0; i < 3; ++i)
-                         for (int j = 0; j < 3; ++j) {
-                           c.push_back({kMag, std::vector<Vec3>(m_.recording().size())});
-                           for (std::size_t r = 0; r < c.back().unit.size(); ++r)
-                             c.back().unit[r] = Vec3::Unit(i) * (after(r, t0) * m_.field_uT()[r][j]);
-                         }
-                       return c;
-                     }});
+    mag_steps();
   }
+
+  /// What begins at a time t0 that the search must find.
+  void mag_steps() {
+    add_mag_step("mag_hard_step", "D = b 1(t > t0)", "time", {"b_x", "b_y", "b_z"}, "uT",
+                 [this](double t0) { return diagonal(kMag, [this, t0](std::size_t i, int) { return after(i, t0); }); });
+    add_mag_step("mag_field_step", "D = R^T b_w 1(t > t0)", "time and attitude", {"b_wx", "b_wy", "b_wz"}, "uT",
+                 [this](double t0) {
+                   std::vector<LawColumn> c;
+                   for (int j = 0; j < 3; ++j) {
+                     c.push_back({kMag, std::vector<Vec3>(m_.recording().size())});
+                     for (std::size_t i = 0; i < c.back().unit.size(); ++i)
+                       c.back().unit[i] = after(i, t0) * m_.R_world_body()[i].row(j).transpose();
+                   }
+                   return c;
+                 });
+    add_mag_step("mag_soft_step", "D = M m 1(t > t0)", "time and field",
+                 {"M_xx", "M_xy", "M_xz", "M_yx", "M_yy", "M_yz", "M_zx", "M_zy", "M_zz"}, "1", [this](double t0) {
+                   std::vector<LawColumn> c;
+                   for (int i = 0; i < 3; ++i)
+                     for (int j = 0; j < 3; ++j) {
+                       c.push_back({kMag, std::vector<Vec3>(m_.recording().size())});
+                       for (std::size_t r = 0; r < c.back().unit.size(); ++r)
+                         c.back().unit[r] = Vec3::Unit(i) * (after(r, t0) * m_.field_uT()[r][j]);
+                     }
+                   return c;
+                 });
+  }
+  void add_mag_step(const std::string& id, const std::string& equation, const std::string& driver,
+                    std::vector<std::string> names, const std::string& unit,
+                    std::function<std::vector<LawColumn>(double t0_s)> columns) {
+    laws_.push_back({id, equation, driver, kMag, std::move(names), unit, "t0", "s", step_times(), std::move(columns)});
+  }
+  [[nodiscard]] double after(std::size_t row, double t0_s) const { return m_.recording().t_s(row) > t0_s ? 1.0 : 0.0; }
 
   const SelfConsistency& m_;
   const sim::SimulationConfig& simulation_;

@@ -2,6 +2,7 @@
 #include <array>
 #include <cmath>
 
+#include "diagnosis/median.h"
 #include "diagnosis/no_reference/model.h"
 
 namespace stillpoint::diag::detail {
@@ -28,13 +29,6 @@ Scatter scatter(const std::vector<Vec3>& v, std::size_t first, std::size_t last)
     if (v[i].allFinite()) s.sd = std::max(s.sd, (v[i] - s.mean).cwiseAbs2().maxCoeff());
   s.sd = std::sqrt(s.sd);
   return s;
-}
-
-double quantile(std::vector<double> v, double q) {
-  if (v.empty()) return 0.0;
-  const auto at = v.begin() + static_cast<long>(q * static_cast<double>(v.size() - 1));
-  std::nth_element(v.begin(), at, v.end());
-  return *at;
 }
 
 /// What the gyro reads when still: the median over the cells as quiet as the quietest. The configured offset may be

@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <random>
-#include <set>
 
 #include "diagnosis/prove/draw.h"
+#include "diagnosis/prove/kinds.h"
 #include "diagnosis/prove/prove.h"
 #include "diagnosis/prove/strength.h"
 #include "io/simulated_recording.h"
@@ -14,29 +14,8 @@
 namespace stillpoint::diag {
 namespace {
 
-using Range = std::array<double, 2>;
-constexpr Range kDPrime{12.0, 120.0}, kWeakDPrime{2.5, 14.0};
 constexpr double kBadPart = 5.0;  // times the upper end of the usual sizes
 constexpr int kMostDraws = 30;
-constexpr std::size_t kSlots = 40;  // after so many cases the kinds repeat
-
-/// Effects by how their size is set: scaled to a d', or drawn from the usual range of their parameters.
-const std::vector<std::string> kScaled{
-    "acc_temp_lin",   "acc_temp_quad", "acc_temp_scale", "acc_temp_lag",  "acc_lever",     "acc_quad",
-    "acc_cubic",      "acc_asym",      "acc_volt",       "gyr_temp_lin",  "gyr_temp_quad", "gyr_temp_lag",
-    "gyr_temp_scale", "gyr_gsens",     "gyr_cubic",      "gyr_asym",      "gyr_volt",      "mag_temp_lin",
-    "mag_temp_scale", "mag_hard_step", "mag_field_step", "mag_soft_step", "mag_gradient",  "mag_current"};
-const std::vector<std::string> kDrawn{"acc_lpf", "acc_delay", "gyr_lpf",  "gyr_delay", "mag_delay", "sys_offset",
-                                      "sys_gap", "sys_dup",   "mag_hold", "gyr_quant", "acc_sat",   "gyr_sat"};
-const std::vector<std::string> kWithoutReference{"gyr_temp_lin",   "gyr_temp_quad", "gyr_gsens",    "gyr_volt",
-                                                 "gyr_cubic",      "gyr_asym",      "mag_temp_lin", "mag_hard_step",
-                                                 "mag_field_step", "mag_current",   "mag_delay",    "mag_temp_scale"};
-const std::vector<std::string> kThermal{"acc_temp_lin", "gyr_temp_lin", "mag_temp_lin", "gyr_temp_quad",
-                                        "acc_temp_quad"};
-const std::vector<std::string> kAbsorbed{"gyr_temp_lin", "gyr_temp_quad", "gyr_temp_lag"};
-const std::vector<std::string> kWeak{"acc_temp_lin", "acc_volt", "acc_asym",     "gyr_temp_lin",
-                                     "gyr_asym",     "gyr_volt", "mag_temp_lin", "mag_current"};
-const std::vector<std::string> kElectrical{"mag_current", "gyr_volt", "acc_volt"};
 
 sim::TriadConfig triad_of(Draw& draw, double bias, double matrix, double noise) {
   sim::TriadConfig t;
@@ -116,19 +95,6 @@ void scale_to_d_prime(Draw& draw, sim::SimulationConfig& config, std::size_t whi
   }
 }
 
-Range range_of(const std::string& kind) { return kind == "limit" ? kWeakDPrime : kDPrime; }
-
-std::string kind_of(std::size_t index) {
-  // Of three in forty the library lacks the law, or an estimator has absorbed it.
-  static const std::map<std::size_t, std::string> rare{{9, "deleted"}, {14, "absorb"}, {25, "deleted"}};
-  if (const auto at = rare.find(index % kSlots); at != rare.end()) return at->second;
-  // Twenty slots: three clean, three outside the library, the rest shared by the ways to conceal.
-  static const std::vector<std::string> slots{"clean",  "single", "pair",   "novel",   "window", "single", "noref",
-                                              "clean",  "cfgerr", "single", "novel",   "notemp", "pair",   "confound",
-                                              "single", "window", "clean",  "oneaxis", "noaux",  "novel"};
-  return slots[index % slots.size()];
-}
-
 /// A law that the catalogue does not have, put on the readings themselves.
 void add_novel(Draw& draw, io::Recording& r, const sim::SimulationConfig& config, CaseTruth& truth) {
   const std::size_t which = draw.bits() % 3;
@@ -165,33 +131,6 @@ void conceal(Draw& draw, const std::string& kind, double duration_s, sim::Simula
   if (kind == "oneaxis") config.effects[0].axes = {static_cast<int>(draw.bits() % 3)};
 }
 
-std::vector<std::string> effects_of(Draw& draw, const std::string& kind) {
-  if (kind == "clean" || kind == "novel") return {};
-  if (kind == "notemp" || kind == "confound") return {draw.one_of(kThermal)};
-  if (kind == "noaux") return {draw.one_of(kElectrical)};
-  if (kind == "absorb") return {draw.one_of(kAbsorbed), "sys_tracker"};
-  if (kind == "deleted") return {draw.one_of(kScaled)};
-  if (kind == "limit") return {draw.one_of(kWeak)};
-  if (kind == "noref") return {draw.one_of(kWithoutReference)};
-  if (kind == "window") {
-    static const std::vector<std::string> lasting{"acc_quad",      "acc_lever",      "gyr_gsens",  "gyr_asym",
-                                                  "mag_hard_step", "mag_field_step", "mag_current"};
-    return {draw.one_of(lasting)};
-  }
-  if (kind == "oneaxis" || kind == "cfgerr") {
-    static const std::vector<std::string> diagonal{"acc_quad",     "acc_asym",  "acc_temp_lin", "gyr_asym",
-                                                   "gyr_temp_lin", "gyr_cubic", "mag_temp_lin", "mag_current"};
-    return {draw.one_of(diagonal)};
-  }
-  if (kind == "pair") {
-    const std::string first = draw.one_of(kScaled);
-    std::string second = first;
-    while (second.substr(0, 3) == first.substr(0, 3)) second = draw.one_of(kScaled);
-    return {first, second};
-  }
-  return {draw.bits() % 3 == 0 ? draw.one_of(kDrawn) : draw.one_of(kScaled)};
-}
-
 void draw_effects(Draw& draw, const std::string& kind, double duration_s,
                   const std::shared_ptr<const sim::Motion>& motion, std::uint64_t seed, sim::SimulationConfig& config,
                   CaseTruth& truth) {
@@ -199,8 +138,7 @@ void draw_effects(Draw& draw, const std::string& kind, double duration_s,
   for (const auto& id : effects_of(draw, kind)) config.effects.push_back(draw_effect(draw, id, duration_s));
   conceal(draw, kind, duration_s, config, truth);
   for (std::size_t i = 0; i < config.effects.size(); ++i)
-    if (std::find(kScaled.begin(), kScaled.end(), config.effects[i].id) != kScaled.end())
-      scale_to_d_prime(draw, config, i, motion, seed, range_of(kind));
+    if (is_scaled(config.effects[i].id)) scale_to_d_prime(draw, config, i, motion, seed, range_of(kind));
 }
 
 /// Some effects of a usual size drown in the noise of a camera; those are drawn anew before anything is sealed.
@@ -211,13 +149,9 @@ bool all_can_be_seen(const sim::SimulationConfig& config, const std::shared_ptr<
   return true;
 }
 
-SealedCase draw_as(const std::string& kind, const std::string& salt, std::size_t index, bool quick) {
-  Draw draw(salt, index);
-  SealedCase c;
-  c.id = fmt::format("{:04}", index);
-  const double duration_s = quick ? 60.0 : 120.0;
-  c.truth.kind = kind;
-  c.truth.reference = kind == "noref" ? "none" : draw.bits() % 2 == 0 ? "exact" : "mocap";
+/// A simulation without effects, as the one to be diagnosed is given; `kind` decides how the temperature runs.
+sim::SimulationConfig draw_baseline(Draw& draw, const std::string& kind, const std::string& reference,
+                                    double duration_s) {
   sim::SimulationConfig config;
   config.rate_hz = 50.0;
   config.gravity_mps2 = 9.81;
@@ -234,8 +168,49 @@ SealedCase draw_as(const std::string& kind, const std::string& salt, std::size_t
   config.environment.temperature.rise_K = draw.uniform(5, 14);
   config.environment.temperature.tau_s = draw.uniform(25, 80);
   config.environment.current.kind = "steps";
-  config.reference.kind = c.truth.reference;
-  c.baseline = config;
+  config.reference.kind = reference;
+  return config;
+}
+
+/// What differs from the baseline and is no effect: the noise's colour or axes, and wrong offsets and scales.
+void draw_nuisance(Draw& draw, const std::string& kind, std::size_t slot, sim::SimulationConfig& config,
+                   CaseTruth& truth) {
+  truth.noise = slot == 7 ? "coloured" : slot == 16 ? "uneven" : "white";
+  if (truth.noise == "coloured")
+    for (auto* t : {&config.accelerometer, &config.gyroscope, &config.magnetometer}) (*t)->noise_band_hz = 8.0;
+  if (truth.noise == "uneven")
+    for (auto* t : {&config.accelerometer, &config.gyroscope, &config.magnetometer})
+      (*t)->noise_axes = Vec3(1.0, 1.6, 0.8);
+  if (kind == "cfgerr" || (kind == "clean" && slot == 20)) {
+    perturb(draw, *config.accelerometer, 0.05, 0.003);
+    perturb(draw, *config.gyroscope, 0.002, 0.004);
+    perturb(draw, *config.magnetometer, 0.8, 0.01);
+  }
+}
+
+/// The effects as they will be scored, and the least d' among them.
+void write_truth(const sim::SimulationConfig& config, const std::shared_ptr<const sim::Motion>& motion,
+                 std::uint64_t seed, CaseTruth& truth) {
+  for (std::size_t i = 0; i < config.effects.size(); ++i) {
+    const sim::EffectConfig& effect = config.effects[i];
+    for (const auto& p : sim::find_effect(effect.id)->parameters)
+      if (const auto at = effect.parameters.find(p.key); at != effect.parameters.end())
+        truth.effects[effect.id][p.symbol] = at->second;
+    act_on_axes(truth.effects[effect.id], effect.axes);
+    if (effect.id == "sys_tracker") continue;
+    const double d = d_prime_of(config, i, motion, seed);
+    truth.d_prime = i == 0 ? d : std::min(truth.d_prime, d);
+  }
+}
+
+SealedCase draw_as(const std::string& kind, const std::string& salt, std::size_t index, bool quick) {
+  Draw draw(salt, index);
+  SealedCase c;
+  c.id = fmt::format("{:04}", index);
+  const double duration_s = quick ? 60.0 : 120.0;
+  c.truth.kind = kind;
+  c.truth.reference = kind == "noref" ? "none" : draw.bits() % 2 == 0 ? "exact" : "mocap";
+  sim::SimulationConfig config = c.baseline = draw_baseline(draw, kind, c.truth.reference, duration_s);
   const std::uint64_t seed = draw.bits();
   const std::shared_ptr<const sim::Motion> motion = sim::make_motion(*config.motion, seed);
   for (int drawn = 0; drawn < kMostDraws; ++drawn) {
@@ -243,26 +218,8 @@ SealedCase draw_as(const std::string& kind, const std::string& salt, std::size_t
     if (all_can_be_seen(config, motion, seed, range_of(kind)[0])) break;
   }
   if (kind == "deleted") c.without = {config.effects[0].id};
-  c.truth.noise = index % kSlots == 7 ? "coloured" : index % kSlots == 16 ? "uneven" : "white";
-  if (c.truth.noise == "coloured")
-    for (auto* t : {&config.accelerometer, &config.gyroscope, &config.magnetometer}) (*t)->noise_band_hz = 8.0;
-  if (c.truth.noise == "uneven")
-    for (auto* t : {&config.accelerometer, &config.gyroscope, &config.magnetometer})
-      (*t)->noise_axes = Vec3(1.0, 1.6, 0.8);
-  if (kind == "cfgerr" || (kind == "clean" && index % kSlots == 20)) {
-    perturb(draw, *config.accelerometer, 0.05, 0.003);
-    perturb(draw, *config.gyroscope, 0.002, 0.004);
-    perturb(draw, *config.magnetometer, 0.8, 0.01);
-  }
-  for (std::size_t i = 0; i < config.effects.size(); ++i) {
-    for (const auto& p : sim::find_effect(config.effects[i].id)->parameters)
-      if (const auto at = config.effects[i].parameters.find(p.key); at != config.effects[i].parameters.end())
-        c.truth.effects[config.effects[i].id][p.symbol] = at->second;
-    act_on_axes(c.truth.effects[config.effects[i].id], config.effects[i].axes);
-    if (config.effects[i].id == "sys_tracker") continue;
-    const double d = d_prime_of(config, i, motion, seed);
-    c.truth.d_prime = i == 0 ? d : std::min(c.truth.d_prime, d);
-  }
+  draw_nuisance(draw, kind, index % kSlots, config, c.truth);
+  write_truth(config, motion, seed, c.truth);
   c.recording = io::to_recording(sim::simulate(config, motion, seed));
   if (kind == "novel") add_novel(draw, c.recording, config, c.truth);
   if (kind == "notemp") c.recording.temp_degC.clear();
@@ -280,12 +237,6 @@ SealedCase draw_case(const std::string& salt, std::size_t index, bool quick) {
 
 SealedCase draw_case_of(const std::string& kind, const std::string& salt, std::size_t index, bool quick) {
   return draw_as(kind, salt + "/" + kind, index, quick);
-}
-
-std::vector<std::string> kinds_of_cases() {
-  std::set<std::string> kinds;
-  for (std::size_t index = 0; index < kSlots; ++index) kinds.insert(kind_of(index));
-  return {kinds.begin(), kinds.end()};
 }
 
 SealedCase draw_limit_case(const std::string& salt, std::size_t index, bool quick) {

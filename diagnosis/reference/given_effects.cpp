@@ -147,50 +147,47 @@ bool subtract_timing(Signals& s, Sensor k, const sim::EffectConfig& e) {
   return false;
 }
 
-}  // namespace
+/// Amplitude and phase of each axis from the coefficients of sine and cosine.
+void set_coning(const Found& found, const Eigen::VectorXd& values, sim::EffectConfig& e) {
+  const double turn = 2.0 * std::numbers::pi * found.shape;
+  for (Eigen::Index i = 0; i < 3; ++i) {
+    e.parameters["a_rad"].push_back(std::hypot(values[i], values[i + 3]) / turn);
+    e.parameters["p_rad"].push_back(std::atan2(-values[i], values[i + 3]));
+  }
+  e.parameters["f_hz"] = {found.shape};
+}
 
-std::optional<sim::EffectConfig> to_effect(const Found& found, const Eigen::VectorXd& values, double dt_s) {
-  const sim::EffectInfo* info = sim::find_effect(found.id);
-  if (info == nullptr) return std::nullopt;
-  sim::EffectConfig e;
-  e.id = found.id;
-  const double begin = static_cast<double>(found.window.begin) * dt_s,
-               end = static_cast<double>(found.window.end) * dt_s;
-  if (found.id == "sys_gap") {
-    e.parameters = {{"n", {std::round(-values[0] / dt_s)}}, {"t0_s", {begin}}};
-    return e;
-  }
-  if (found.id == "sys_skew") {
+/// The laws whose coefficients are not the catalogue's parameters; false for the others.
+bool set_by_rule(const Found& found, const Eigen::VectorXd& values, double dt_s, double begin_s, sim::EffectConfig& e) {
+  if (found.id == "sys_gap")
+    e.parameters = {{"n", {std::round(-values[0] / dt_s)}}, {"t0_s", {begin_s}}};
+  else if (found.id == "sys_skew")
     e.parameters = {{"eps_ppm", {values[0] / kPpm}}};
-    return e;
-  }
-  if (found.id == "gyr_earth") {
+  else if (found.id == "gyr_earth")
     e.parameters = {{"w_radps", list(values, 0, 3)}};
-    return e;
-  }
-  if (found.id == "mag_sat") {  // the bend alone: no reading has met a limit
+  else if (found.id == "mag_sat")  // the bend alone: no reading has met a limit
     e.parameters = {{"L_uT", std::vector<double>(3, kNoLimit_uT)}, {"k3_per_uT_2", list(values, 0, 3)}};
-    return e;
-  }
-  if (found.id == "gyr_coning") {
-    const double turn = 2.0 * std::numbers::pi * found.shape;
-    for (Eigen::Index i = 0; i < 3; ++i) {
-      e.parameters["a_rad"].push_back(std::hypot(values[i], values[i + 3]) / turn);
-      e.parameters["p_rad"].push_back(std::atan2(-values[i], values[i + 3]));
-    }
-    e.parameters["f_hz"] = {found.shape};
-    return e;
-  }
+  else if (found.id == "gyr_coning")
+    set_coning(found, values, e);
+  else
+    return false;
+  return true;
+}
+
+/// The others: times and shapes by their names, the coefficients in the catalogue's order. False where a required
+/// parameter is left without a value.
+bool set_in_order(const Found& found, const Eigen::VectorXd& values, double begin_s, const sim::EffectInfo& info,
+                  sim::EffectConfig& e) {
   Eigen::Index next = 0;
   if (values.size() == 6) {  // temp_quad with its linear part
-    for (const auto& p : info->parameters) e.parameters[p.key] = list(values, p.required ? 3 : 0, 3);
+    for (const auto& p : info.parameters) e.parameters[p.key] = list(values, p.required ? 3 : 0, 3);
     next = 6;
   }
-  for (const auto& p : info->parameters) {
+  for (const auto& p : info.parameters) {
     if (const auto fixed = found.fixed.find(p.key); fixed != found.fixed.end())
       e.parameters[p.key] = {fixed->second};
     else if (p.key == "t0_s")
-      e.parameters[p.key] = {begin};
+      e.parameters[p.key] = {begin_s};
     else if (p.symbol == "L")
       e.parameters[p.key] = std::vector<double>(3, found.shape);
     else if (p.key == found.shape_name + "_s" && !found.shape_name.empty())
@@ -198,9 +195,22 @@ std::optional<sim::EffectConfig> to_effect(const Found& found, const Eigen::Vect
     else if (next + p.count <= values.size())
       e.parameters[p.key] = list(values, next, p.count), next += p.count;
     else if (p.required && e.parameters.count(p.key) == 0)
-      return std::nullopt;
+      return false;
   }
-  if (found.window.local) e.window_s = {begin, end};
+  return true;
+}
+
+}  // namespace
+
+std::optional<sim::EffectConfig> to_effect(const Found& found, const Eigen::VectorXd& values, double dt_s) {
+  const sim::EffectInfo* info = sim::find_effect(found.id);
+  if (info == nullptr) return std::nullopt;
+  sim::EffectConfig e;
+  e.id = found.id;
+  const double begin_s = static_cast<double>(found.window.begin) * dt_s;
+  if (set_by_rule(found, values, dt_s, begin_s, e)) return e;
+  if (!set_in_order(found, values, begin_s, *info, e)) return std::nullopt;
+  if (found.window.local) e.window_s = {begin_s, static_cast<double>(found.window.end) * dt_s};
   return e;
 }
 

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "diagnosis/median.h"
+
 namespace stillpoint::diag {
 
 Series3 filled3(const std::vector<Vec3>& column) {
@@ -24,10 +26,8 @@ Series moving_mean(const Series& x, Eigen::Index half) {
   return out;
 }
 
-double quantile(Series x, double share) {
-  const auto k = static_cast<Eigen::Index>(share * static_cast<double>(x.size() - 1));
-  std::nth_element(x.data(), x.data() + k, x.data() + x.size());
-  return x[k];
+double quantile(const Series& x, double share) {
+  return quantile(std::vector<double>(x.data(), x.data() + x.size()), share);
 }
 
 }  // namespace stillpoint::diag

@@ -35,6 +35,6 @@ Series filled(Eigen::Index n, Get get) {
 /// Over `half` neighbours on either side, fewer at the ends: symmetric, so a slope is not shifted.
 [[nodiscard]] Series moving_mean(const Series& x, Eigen::Index half);
 
-[[nodiscard]] double quantile(Series x, double share);
+[[nodiscard]] double quantile(const Series& x, double share);  ///< as in diagnosis/median.h
 
 }  // namespace stillpoint::diag
