@@ -202,23 +202,50 @@ class Parser {
   }
 
   void append(std::int64_t t_ns) {
-    if (!out_.t_ns.empty() && t_ns == out_.t_ns.back()) return out_.issues.repeated_time.note(line_);
+    const bool same_time = !out_.t_ns.empty() && t_ns == out_.t_ns.back();
+    if (same_time && !completes_last_row()) return out_.issues.repeated_time.note(line_);
     if (!out_.t_ns.empty() && t_ns < out_.t_ns.back()) return out_.issues.backward_time.note(line_);
-    out_.t_ns.push_back(t_ns);
-    lines_.push_back(line_);
+    if (same_time) {
+      for (std::size_t f = 0; f < row_.size(); ++f)
+        if (!std::isfinite(row_[f])) row_[f] = last_row_[f];
+    } else {
+      out_.t_ns.push_back(t_ns);
+      lines_.push_back(line_);
+    }
+    last_row_ = row_;
+    write_last_row();
+  }
+
+  /// Loggers that write one sensor a line: the row has something that the one before it lacks, and contradicts nothing.
+  [[nodiscard]] bool completes_last_row() const {
+    bool any = false;
+    for (std::size_t f = 0; f < row_.size(); ++f) {
+      if (!std::isfinite(row_[f])) continue;
+      if (std::isfinite(last_row_[f]) && row_[f] != last_row_[f]) return false;
+      any = any || !std::isfinite(last_row_[f]);
+    }
+    return any;
+  }
+
+  void write_last_row() {
     const auto at = [this](ColumnGroup group, std::size_t k = 0) { return row_[kColumnGroupInfo[group].first + k]; };
     const auto triad = [&](ColumnGroup group) { return Eigen::Vector3d(at(group, 0), at(group, 1), at(group, 2)); };
-    if (present_[kAccGroup]) out_.acc_mps2.push_back(triad(kAccGroup));
-    if (present_[kGyrGroup]) out_.gyr_radps.push_back(triad(kGyrGroup));
-    if (present_[kMagGroup]) out_.mag_uT.push_back(triad(kMagGroup));
-    if (present_[kTempGroup]) out_.temp_degC.push_back(at(kTempGroup));
-    if (present_[kCurrentGroup]) out_.current_A.push_back(at(kCurrentGroup));
-    if (present_[kSupplyGroup]) out_.supply_V.push_back(at(kSupplyGroup));
-    if (present_[kRefAttitudeGroup])
-      out_.ref_q_world_body.emplace_back(at(kRefAttitudeGroup, 0), at(kRefAttitudeGroup, 1), at(kRefAttitudeGroup, 2),
-                                         at(kRefAttitudeGroup, 3));
-    if (present_[kRefPositionGroup]) out_.ref_position_m.push_back(triad(kRefPositionGroup));
-    if (present_[kRefMovingGroup]) out_.ref_moving.push_back(at(kRefMovingGroup));
+    const auto put = [this](ColumnGroup group, auto& column, const auto& value) {
+      if (!present_[group]) return;
+      column.resize(out_.t_ns.size());
+      column.back() = value;
+    };
+    put(kAccGroup, out_.acc_mps2, triad(kAccGroup));
+    put(kGyrGroup, out_.gyr_radps, triad(kGyrGroup));
+    put(kMagGroup, out_.mag_uT, triad(kMagGroup));
+    put(kTempGroup, out_.temp_degC, at(kTempGroup));
+    put(kCurrentGroup, out_.current_A, at(kCurrentGroup));
+    put(kSupplyGroup, out_.supply_V, at(kSupplyGroup));
+    put(kRefAttitudeGroup, out_.ref_q_world_body,
+        Eigen::Vector4d(at(kRefAttitudeGroup, 0), at(kRefAttitudeGroup, 1), at(kRefAttitudeGroup, 2),
+                        at(kRefAttitudeGroup, 3)));
+    put(kRefPositionGroup, out_.ref_position_m, triad(kRefPositionGroup));
+    put(kRefMovingGroup, out_.ref_moving, at(kRefMovingGroup));
   }
 
   void find_gaps() {
@@ -239,7 +266,7 @@ class Parser {
   std::vector<std::string> names_;
   std::array<bool, kColumnGroups> present_{};
   std::vector<std::size_t> lines_;
-  RecordingRow row_{};
+  RecordingRow row_{}, last_row_{};
   Recording out_;
 };
 

@@ -55,7 +55,7 @@ TEST(Recording, ADeviceOrAFolderIsNoFileToRead) {
 
 TEST(Recording, CountsWhatItDoesNotAccept) {
   const auto r = parse_recording(std::string(kHeader) +
-                                     "0,1,2,3\n1,nan,2,3\n1,1,2,3\n0.5,1,2,3\n2,1,2,3\n3,1,2,3\n"
+                                     "0,1,2,3\n1,nan,2,3\n1,1,2,4\n0.5,1,2,3\n2,1,2,3\n3,1,2,3\n"
                                      "9,1,2,3\n10,1,2,3\n11,1",
                                  "f.csv");
   ASSERT_TRUE(r) << r.error().message;
@@ -66,6 +66,20 @@ TEST(Recording, CountsWhatItDoesNotAccept) {
   EXPECT_DOUBLE_EQ(r->issues.longest_gap_s, 6.0);
   EXPECT_TRUE(r->issues.truncated_last_line);
   EXPECT_EQ(r->size(), 6U);
+}
+
+TEST(Recording, JoinsRowsOfOneTimeThatCompleteEachOther) {
+  const std::string header = "time_s,acc_x_mps2,acc_y_mps2,acc_z_mps2,mag_x_uT,mag_y_uT,mag_z_uT\n";
+  const auto r =
+      parse_recording(header + "0,1,2,3,,,\n0,,,,4,5,6\n1,,,,7,8,9\n1,1,2,3,,,\n1,1,2,3,,,\n1,,,,,,\n", "f.csv");
+  ASSERT_TRUE(r) << r.error().message;
+  ASSERT_EQ(r->size(), 2U);
+  EXPECT_EQ(r->acc_mps2[0], Vec3(1, 2, 3));
+  EXPECT_EQ(r->mag_uT[0], Vec3(4, 5, 6));
+  EXPECT_EQ(r->acc_mps2[1], Vec3(1, 2, 3));
+  EXPECT_EQ(r->mag_uT[1], Vec3(7, 8, 9));
+  EXPECT_EQ(r->issues.repeated_time.count, 2U);  // what has nothing new is a repeated row as before
+  EXPECT_EQ(r->issues.repeated_time.first_line, 6U);
 }
 
 TEST(Recording, NamesWhyAHeaderIsNotOne) {
