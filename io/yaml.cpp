@@ -72,6 +72,13 @@ bool read_number(const YAML::Node& node, double& out, const Range& range, const 
   return true;
 }
 
+bool has_tab(const std::string& text, int line) {
+  std::istringstream stream(text);
+  std::string found;
+  for (int k = 0; k <= line && std::getline(stream, found);) ++k;
+  return found.find('\t') != std::string::npos;
+}
+
 }  // namespace
 
 void YamlFaults::add(const YAML::Node& where, const std::string& what) {
@@ -97,7 +104,8 @@ Result<YAML::Node> parse_yaml(const std::string& text, const std::string& name) 
     return root;
   } catch (const YAML::Exception& e) {
     return fail(ErrorKind::kBadConfig,
-                fmt::format("{}:{}:{}: not valid YAML: {}", name, e.mark.line + 1, e.mark.column + 1, e.msg));
+                fmt::format("{}:{}:{}: not valid YAML: {}{}", name, e.mark.line + 1, e.mark.column + 1,
+                            printable(e.msg), has_tab(text, e.mark.line) ? "; indent with spaces, not tabs" : ""));
   }
 }
 

@@ -79,6 +79,7 @@ TEST_F(StateFile, AFolderThatCannotBeWrittenIsReportedBeforeAnythingIsLearnt) {
   const auto claimed = StateStore(folder_ + "/file/below", "imu", 1).claim();
   ASSERT_FALSE(claimed.has_value());
   EXPECT_EQ(claimed.error().kind, ErrorKind::kCannotCreate);
+  EXPECT_NE(claimed.error().message.find("Name a folder"), std::string::npos) << claimed.error().message;
 }
 
 TEST_F(StateFile, ASecondDaemonLeavesWhatTheFirstIsJustWriting) {

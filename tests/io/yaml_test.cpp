@@ -5,8 +5,10 @@
 namespace stillpoint::io {
 namespace {
 
+using ::testing::AllOf;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
+using ::testing::Not;
 
 struct Inner {
   double rate_hz = 100.0;
@@ -80,6 +82,9 @@ TEST(Yaml, RefusesAnAliasWhichCouldContainItself) {
 
 TEST(Yaml, SaysWhereTheSyntaxBreaks) {
   EXPECT_THAT(parse_yaml("a: [1, 2\nb: 3\n", "f.yaml").error().message, HasSubstr("not valid YAML"));
+  EXPECT_THAT(parse_yaml("a:\n\tb: 3\n", "f.yaml").error().message,
+              AllOf(HasSubstr("f.yaml:2:"), HasSubstr("indent with spaces, not tabs")));
+  EXPECT_THAT(parse_yaml("a: \"\\\x01\"\n", "f.yaml").error().message, Not(HasSubstr("\x01")));
   EXPECT_EQ(load_yaml("/nowhere/f.yaml").error().kind, ErrorKind::kNoInput);
 }
 
