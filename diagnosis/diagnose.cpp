@@ -8,6 +8,7 @@
 #include "diagnosis/forensics/forensics.h"
 #include "diagnosis/no_reference/no_reference.h"
 #include "diagnosis/reference/with_reference.h"
+#include "diagnosis/sanity/field_rows.h"
 #include "diagnosis/sanity/readings.h"
 #include "diagnosis/sanity/rows_with_reference.h"
 #include "diagnosis/sanity/sanity.h"
@@ -62,7 +63,8 @@ Answer diagnose(const io::Recording& given_recording, const sim::SimulationConfi
   Answer answer;
   auto& notices = answer.diagnosis.notices;
   const auto clean = without_false_values(given_recording, notices);
-  const io::Recording& recording = clean ? *clean : given_recording;
+  const auto joined = with_field_on_rows(clean ? *clean : given_recording, notices);
+  const io::Recording& recording = joined ? *joined : clean ? *clean : given_recording;
   auto even = recording.ref_q_world_body.empty() ? std::nullopt : rows_with_reference(recording, notices);
   const Sanity sanity = check_input(even ? *even : recording, simulation);
   notices.insert(notices.end(), sanity.notices.begin(), sanity.notices.end());

@@ -80,9 +80,10 @@ void check_columns(const io::Recording& r, const sim::SimulationConfig& config, 
       std::string empty;
       for (std::size_t k = 0; k < 3; ++k)
         if (per_axis[k] == 0) empty += fmt::format("{}{}_{}", empty.empty() ? "" : ", ", kSensorName[s], "xyz"[k]);
-      out.set_aside(s, empty.empty()
-                           ? fmt::format("{}: only {} readings of all three axes", kSensorName[s], measured)
-                           : fmt::format("{}: no reading in any row: the column is empty or NaN throughout", empty));
+      out.set_aside(
+          s, empty.empty()
+                 ? fmt::format("{}: only {} readings of all three axes", kSensorName[s], measured)
+                 : fmt::format("{}: no reading in any row that can be compared: empty or NaN in all of them", empty));
       continue;
     }
     for (int k = 0; k < 3; ++k)

@@ -6,6 +6,7 @@
 #include <random>
 
 #include "diagnosis/sanity/readings.h"
+#include "diagnosis/sanity/rows.h"
 #include "diagnosis/sanity/rows_with_reference.h"
 #include "tests/diagnosis/simulated.h"
 
@@ -106,6 +107,49 @@ TEST(SlowReference, TooFewFramesAreNotInterpolated) {
   const Answer answer = diagnose(held_over(10, recorded("exact")), config);
   EXPECT_EQ(answer.diagnosis.verdict, Verdict::kInsufficientData);
   EXPECT_THAT(answer.diagnosis.notices, testing::Contains(HasSubstr("too few to know the motion between them")));
+}
+
+/// Each reading of the field in a row of its own, half way between those of the other sensors; of them one in `step`.
+io::Recording field_apart(const std::string& id, const test::Parameters& p, std::size_t step = 1) {
+  auto config = test::baseline("exact", 60.0);
+  config.rate_hz = 100.0;
+  config.environment.temperature = {.kind = "warm_up", .start_degC = 22.0, .rise_K = 12.0, .tau_s = 40.0};
+  io::Recording r = test::record(config, id, p, 41), out = detail::without_rows(r);
+  for (std::size_t i = 0; i < r.size(); ++i) {
+    if (i % 2 == 0) r.mag_uT[i].setConstant(io::kMissing);
+    if (i % 2 == 1) r.acc_mps2[i] = r.gyr_radps[i] = Vec3::Constant(io::kMissing), forget(r, i);
+    if (i % 2 == 0 || i % (2 * step) == 1) detail::append_row(r, i, out);
+  }
+  return out;
+}
+
+TEST(FieldInRowsOfItsOwn, IsComparedWhereItIsAsFastAsTheOthers) {
+  const auto config = test::baseline("exact", 60.0);
+  const Answer clean = diagnose(field_apart("", {}), config);
+  EXPECT_THAT(test::names(clean), IsEmpty());
+  EXPECT_EQ(clean.diagnosis.verdict, Verdict::kNoMismatch) << clean.diagnosis.summary;
+  EXPECT_THAT(clean.diagnosis.notices,
+              testing::Contains(HasSubstr("mag: 3000 readings stand in rows of their own between those of the other "
+                                          "sensors; interpolated to those rows")));
+  EXPECT_THAT(test::names(diagnose(field_apart("mag_temp_lin", {{"k_uT_per_K", {0.2, -0.1, 0.15}}}), config)),
+              ElementsAre("mag_temp_lin"));
+  EXPECT_THAT(test::names(diagnose(field_apart("gyr_temp_lin", kThermal), config)), ElementsAre("gyr_temp_lin"));
+}
+
+TEST(FieldInRowsOfItsOwn, IsComparedWithoutAReferenceToo) {
+  io::Recording r = field_apart("", {});
+  r.ref_q_world_body.clear(), r.ref_position_m.clear();
+  const Answer answer = diagnose(r, test::baseline("none", 60.0));
+  EXPECT_THAT(test::names(answer), IsEmpty());
+  EXPECT_THAT(answer.diagnosis.notices, testing::Contains(HasSubstr("interpolated to those rows")));
+  EXPECT_THAT(answer.diagnosis.notices, testing::Not(testing::Contains(HasSubstr("rows a second"))));
+}
+
+TEST(FieldInRowsOfItsOwn, IsSetAsideWhereItIsSlower) {
+  const Answer answer = diagnose(field_apart("", {}, 2), test::baseline("exact", 60.0));
+  EXPECT_THAT(test::names(answer), IsEmpty());
+  EXPECT_THAT(answer.diagnosis.notices, testing::Contains(HasSubstr("25 a second beside 50, too few")));
+  EXPECT_THAT(answer.diagnosis.summary, HasSubstr("mag_x, mag_y, mag_z: no reading in any row that can be compared"));
 }
 
 /// Stamps in whole milliseconds of a clock of 120 Hz: 8, 8, 9, ...; their median is 4 % off.

@@ -1,0 +1,17 @@
+/// A magnetometer whose readings stand in rows of their own.
+#pragma once
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "io/recording.h"
+
+namespace stillpoint::diag {
+
+/// The recording with the field interpolated to the rows of the inertial sensors, and without the rows that hold a
+/// field alone. A magnetometer slower than they are would be given readings it never took, with a noise that no noise
+/// model expects: it stays away from their rows. A notice says which. None where the field has no rows of its own.
+[[nodiscard]] std::optional<io::Recording> with_field_on_rows(const io::Recording& recording,
+                                                              std::vector<std::string>& notices);
+
+}  // namespace stillpoint::diag
