@@ -10,6 +10,7 @@ import glob
 import json
 import os
 import re
+import shutil
 import subprocess
 import tempfile
 
@@ -85,8 +86,13 @@ def main():
     parser.add_argument("folder", help="the recordings of BROAD (.csv)")
     parser.add_argument("trials", nargs="*", help="their numbers, such as 01; all unless given")
     given = parser.parse_args()
+    if shutil.which(given.stillpoint) is None:
+        parser.error(f"{given.stillpoint}: no such program; build it first")
+    paths = sorted(glob.glob(os.path.join(given.folder, "*.csv")))
+    if not paths:
+        parser.error(f"{given.folder}: no recording (.csv) in it")
     devices = {}
-    for path in sorted(glob.glob(os.path.join(given.folder, "*.csv"))):
+    for path in paths:
         trial = os.path.basename(path)[:2]
         if given.trials and trial not in given.trials:
             continue

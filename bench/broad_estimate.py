@@ -8,7 +8,9 @@ import argparse
 import csv
 import math
 import pathlib
+import shutil
 import subprocess
+import sys
 import tempfile
 
 
@@ -32,15 +34,19 @@ def errors(estimate, reference):
 
 def score(tool, config, recording, folder):
     output = str(pathlib.Path(folder) / "attitude.csv")
-    subprocess.run([tool, "estimate", "--config", config, "--recording", recording, "--output", output],
-                   check=True, stdout=subprocess.DEVNULL)
+    run = subprocess.run([tool, "estimate", "--config", config, "--recording", recording, "--output", output],
+                         check=False, stdout=subprocess.DEVNULL)
+    if run.returncode != 0:  # it has said why
+        sys.exit(run.returncode)
     sums, count = [0.0, 0.0, 0.0], 0
     for estimate, reference in zip(rows(output), rows(recording), strict=True):
-        if reference["ref_qw"] == "" or reference.get("ref_moving", "1") != "1":
+        if reference.get("ref_qw", "") == "" or reference.get("ref_moving", "1") != "1":
             continue
         count += 1
         for k, e in enumerate(errors(estimate, reference)):
             sums[k] += e * e
+    if count == 0:
+        sys.exit(f"{recording}: no row has a reference orientation (ref_qw, ...)")
     return [math.degrees(math.sqrt(s / count)) for s in sums]
 
 
@@ -50,6 +56,8 @@ def main():
     parser.add_argument("config", help="of the daemon (.yaml)")
     parser.add_argument("recordings", nargs="+", help="with reference columns (.csv)")
     given = parser.parse_args()
+    if shutil.which(given.stillpoint) is None:
+        parser.error(f"{given.stillpoint}: no such program; build it first")
     print(f"{'recording':<48} {'total':>7} {'heading':>8} {'inclination':>12}")
     results = []
     with tempfile.TemporaryDirectory() as folder:

@@ -8,6 +8,7 @@ anew here. Needs numpy (Debian: python3-numpy).
 """
 import argparse
 import json
+import shutil
 import subprocess
 import sys
 import tempfile
@@ -15,7 +16,7 @@ import tempfile
 try:
     import numpy as np
 except ModuleNotFoundError:
-    sys.exit(f"numpy is missing for {sys.executable}: apt-get install python3-numpy, and run with /usr/bin/python3")
+    np = None
 
 SEEDS = 30
 GRAVITY_MPS2, FIELD_UT = 9.80665, 50.0
@@ -135,6 +136,10 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("stillpoint", help="for example build/release/stillpoint")
     stillpoint = parser.parse_args().stillpoint
+    if np is None:
+        sys.exit(f"numpy is missing for {sys.executable}: apt-get install python3-numpy, and run with /usr/bin/python3")
+    if shutil.which(stillpoint) is None:
+        parser.error(f"{stillpoint}: no such program; build it first")
     print(f"rms over {SEEDS} seeds of what the norm is off over EVEN directions, 1e-3 of the radius (mg); (failed fits)")
     print(f"{'':28s}{'points':>6s}{'noise':>8s}{'imu_tk':>14s}{'magneto':>14s}{'map':>14s}{'adjusted':>14s}")
     for n in (6, 9, 12, 24):

@@ -8,6 +8,7 @@ set -euo pipefail
 root=$(cd "$(dirname "$0")/.." && pwd)
 daemon=${1:-$root/build/release/stillpointd}
 seconds=${2:-5}
+[ -x "$daemon" ] || { echo "usage: bench/syscalls.sh [STILLPOINTD] [SECONDS]; $daemon is no program; build it first" >&2; exit 64; }
 command -v strace >/dev/null || { echo "strace is not installed: apt-get install strace" >&2; exit 69; }
 work=$(mktemp -d)
 domain=$((1 + $$ % 100))
