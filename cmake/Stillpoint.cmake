@@ -45,8 +45,8 @@ function(stillpoint_library name)
 endfunction()
 
 set(STILLPOINT_TEST_TIMEOUT_S 300)
-if(STILLPOINT_SANITIZE)
-  set(STILLPOINT_TEST_TIMEOUT_S 1500)  # the searches of diagnosis/ take some ten times as long under AddressSanitizer
+if(STILLPOINT_SANITIZE OR CMAKE_CROSSCOMPILING)
+  set(STILLPOINT_TEST_TIMEOUT_S 1500)  # the searches of diagnosis/ take some ten times as long under AddressSanitizer or qemu
 endif()
 
 # stillpoint_tests(core DEPS ...): tests/core/*_test.cpp is one program, each TEST one CTest entry.
