@@ -141,8 +141,6 @@ class Running {
 
 int run_daemon(const io::DaemonConfig& config, const DaemonOptions& options) {
   const Signals signals;
-  if (config.source.kind == io::SourceKind::kNone)
-    return report({ErrorKind::kBadConfig, "the configuration has no 'source:'; name a recording or a simulation"});
   auto source = wait_for_source(config.source, signals);
   if (!source) return report(source.error());
   if (!*source) return 0;

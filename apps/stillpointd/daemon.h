@@ -9,6 +9,7 @@ struct DaemonOptions {
 };
 
 /// Runs until the source ends (if the configuration says so) or SIGTERM or SIGINT. The exit code of the program.
+/// The configuration has a source.
 [[nodiscard]] int run_daemon(const io::DaemonConfig& config, const DaemonOptions& options);
 
 }  // namespace stillpoint::app

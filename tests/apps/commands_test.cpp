@@ -134,6 +134,11 @@ TEST_F(Commands, ARecordingThatGetsNoReadingLeavesTheFileOfItsName) {
   EXPECT_EQ(tool("record --timeout 0 --domain " + domain + " --output no/folder.csv"), 73) << told_;
 }
 
+TEST_F(Commands, ADaemonWithoutASourceNamesTheFileThatLacksIt) {
+  EXPECT_EQ(tool("--config " + configs("estimate.yaml"), STILLPOINTD), 78);
+  EXPECT_THAT(told_, HasSubstr("estimate.yaml: no 'source:'"));
+}
+
 TEST_F(Commands, AProofThatCannotBeginSaysSoAndLeavesNothing) {
   std::filesystem::create_directories(folder_ / "tmp");
   std::filesystem::create_directories(folder_ / "cases/cases");
