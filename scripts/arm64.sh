@@ -25,5 +25,5 @@ chroot "$chroot_folder" bash -eu -c '
   cd /src/stillpoint
   cmake --preset arm64
   cmake --build --preset arm64
-  QEMU_LD_PREFIX=/usr/aarch64-linux-gnu LD_LIBRARY_PATH=/usr/lib/aarch64-linux-gnu ctest --preset arm64 -j "$(nproc)"
+  ctest --preset arm64 -j "$(nproc)"
 '
