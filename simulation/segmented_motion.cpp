@@ -58,8 +58,11 @@ class Chain {
   std::vector<Segment> all_;
 };
 
+/// One draw a statement, here and below: in which order the arguments of a call are evaluated is the compiler's choice,
+/// and one seed is one motion on every processor.
 Quat random_attitude(Stream& random) {
-  return Quat(random.normal(), random.normal(), random.normal(), random.normal()).normalized();
+  const double z = random.normal(), y = random.normal(), x = random.normal(), w = random.normal();
+  return Quat(w, x, y, z).normalized();
 }
 
 /// Attitude whose up direction, seen from the body, is `up`, turned by `yaw` about it.
@@ -175,8 +178,8 @@ std::vector<Segment> worn_day_segments(const MotionConfig& c, std::uint64_t seed
                                 Vec3(0.1, -0.2, -1.0)};
   const auto pose = [&](bool asleep) {
     const std::size_t which = asleep ? 2 + random.bits() % 3 : (random.uniform() < 0.7 ? 0 : 1 + random.bits() % 2);
-    return attitude_with_up((kUp[which].normalized() + 0.08 * random.normal3()).normalized(),
-                            random.uniform(0.0, kTwoPi));
+    const double yaw_rad = random.uniform(0.0, kTwoPi);
+    return attitude_with_up((kUp[which].normalized() + 0.08 * random.normal3()).normalized(), yaw_rad);
   };
   Chain chain(pose(true));
   while (chain.time_s() < c.duration_s) {
@@ -185,7 +188,8 @@ std::vector<Segment> worn_day_segments(const MotionConfig& c, std::uint64_t seed
     chain.rest(asleep ? random.uniform(300.0, 2400.0) : random.uniform(c.min_rest_s, 20.0 * c.max_rest_s));
     const bool walk = !asleep && random.uniform() < 0.1;
     const double length_s = walk ? random.uniform(60.0, 900.0) : random.uniform(1.0, c.max_bout_s);
-    Segment& s = chain.bout(length_s, pose(asleep), 0.2 * random.normal3());
+    const Vec3 place_m = 0.2 * random.normal3();
+    Segment& s = chain.bout(length_s, pose(asleep), place_m);
     if (!walk) {
       put_swings(s, random, (asleep ? 0.3 : 0.7) * c.rate_radps, c.sway_m);
       continue;
