@@ -12,7 +12,7 @@ constexpr double kApart = 0.02;       // of the inertial rows; fewer are lost re
 constexpr double kAsFast = 0.9;       // of their rate
 constexpr std::size_t kFewRows = 20;  // no clock can be read from them
 
-bool there(const std::vector<Vec3>& column, std::size_t row) { return !column.empty() && column[row].allFinite(); }
+using detail::there;
 
 bool inertial(const io::Recording& r, std::size_t row) { return there(r.acc_mps2, row) || there(r.gyr_radps, row); }
 
@@ -32,14 +32,14 @@ std::optional<io::Recording> with_field_on_rows(const io::Recording& r, std::vec
     rows += inertial(r, i);
     apart += there(r.mag_uT, i) && !inertial(r, i);
   }
+  if (static_cast<double>(apart) <= kApart * static_cast<double>(rows)) return std::nullopt;
   const double rows_hz = inertial_rate_hz(r);
-  if (rows_hz == 0.0 || static_cast<double>(apart) <= kApart * static_cast<double>(rows)) return std::nullopt;
+  if (rows_hz == 0.0) return std::nullopt;
   const detail::Frames<Vec3> field(r, r.mag_uT);
   io::Recording out = detail::without_rows(r);
   for (std::size_t i = 0; i < r.size(); ++i) {
     const bool alone = there(r.mag_uT, i) && !inertial(r, i);
-    const bool reference = !r.ref_q_world_body.empty() && r.ref_q_world_body[i].allFinite();
-    if (!alone || reference) detail::append_row(r, i, out);
+    if (!alone || there(r.ref_q_world_body, i)) detail::append_row(r, i, out);
   }
   const bool fast = field.rate_hz() > kAsFast * rows_hz && field.fill(out, out.mag_uT);
   notices.push_back(

@@ -1,8 +1,16 @@
 /// Rows taken from one recording to another.
 #pragma once
+#include <vector>
+
 #include "io/recording.h"
 
 namespace stillpoint::diag::detail {
+
+/// Whether the column has a value in this row.
+template <class Value>
+[[nodiscard]] bool there(const std::vector<Value>& column, std::size_t row) {
+  return !column.empty() && column[row].allFinite();
+}
 
 /// All that is not a column.
 [[nodiscard]] io::Recording without_rows(const io::Recording& r);

@@ -49,7 +49,7 @@ std::vector<bool> filled_in(const io::Recording& r) {
 /// lost rows. What comes in rows of its own between them has another clock.
 io::Recording rows_of_the_sensors(const io::Recording& r) {
   io::Recording out = detail::without_rows(r);
-  const auto there = [](const auto& column, std::size_t i) { return !column.empty() && column[i].allFinite(); };
+  using detail::there;
   const bool inertial = !r.acc_mps2.empty() || !r.gyr_radps.empty();
   for (std::size_t i = 0; i < r.size(); ++i) {
     const bool field = there(r.mag_uT, i), reference = there(r.ref_q_world_body, i);
