@@ -46,17 +46,12 @@ std::string header(const std::string& sensor_id, std::span<const std::byte> payl
                      payload.size(), checksum(payload));
 }
 
-tl::unexpected<Error> cannot(const std::string& what, const std::string& path) {
-  return fail(ErrorKind::kCannotCreate,
-              fmt::format("{}: {}: {}; the calibration cannot be kept", path, what, std::strerror(errno)));
-}
+constexpr auto kNameAFolder =
+    ". Name a folder that can be written under 'state: directory' (in a systemd unit, StateDirectory=)";
 
-tl::unexpected<Error> no_folder_for_it(const std::string& path) {
-  return fail(
-      ErrorKind::kCannotCreate,
-      fmt::format("{}: cannot be written: {}; the calibration cannot be kept. Name a folder that can be written "
-                  "under 'state: directory' (in a systemd unit, StateDirectory=)",
-                  path, std::strerror(errno)));
+tl::unexpected<Error> cannot(const std::string& what, const std::string& path, const std::string& remedy = "") {
+  return fail(ErrorKind::kCannotCreate,
+              fmt::format("{}: {}: {}; the calibration cannot be kept{}", path, what, std::strerror(errno), remedy));
 }
 
 bool write_all(int fd, const char* data, std::size_t size) {
@@ -143,7 +138,7 @@ Result<void> StateStore::claim() {
   fs::create_directories(directory_, error);
   const std::string file = (fs::path(directory_) / (sensor_id_ + ".lock")).string();
   auto lock = std::make_shared<const Descriptor>(::open(file.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC, 0640));
-  if (lock->get() < 0) return no_folder_for_it(file);
+  if (lock->get() < 0) return cannot("cannot be written", file, kNameAFolder);
   if (::flock(lock->get(), LOCK_EX | LOCK_NB) != 0)
     return fail(ErrorKind::kCannotCreate,
                 fmt::format("{}: another stillpointd keeps the calibration of sensor '{}' here; end it, or give this "
@@ -152,7 +147,7 @@ Result<void> StateStore::claim() {
   // After the lock: until then the file may be one that another daemon is about to rename.
   const std::string temporary = path() + ".tmp";
   if (Descriptor(::open(temporary.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC, 0640)).get() < 0)
-    return no_folder_for_it(temporary);
+    return cannot("cannot be written", temporary, kNameAFolder);
   ::unlink(temporary.c_str());
   lock_ = std::move(lock);
   return {};
