@@ -22,9 +22,10 @@ stillpoint::Result<void> expect_files_apart(const CLI::App& command) {
   namespace fs = std::filesystem;
   std::vector<std::pair<std::string, fs::path>> named;
   for (const CLI::Option* option : command.get_options()) {
+    if (option->get_type_name() != "TEXT") continue;  // a number may be the name of a file by chance
     for (const std::string& value : option->results()) {
-      std::error_code refused;  // no file: nothing can be lost
-      if (option->get_type_name() != "TEXT" || !fs::is_regular_file(value, refused)) continue;
+      std::error_code refused;
+      if (!fs::is_regular_file(value, refused)) continue;  // nothing can be lost
       for (const auto& [other, path] : named)
         if (fs::equivalent(path, value, refused))
           return stillpoint::fail(

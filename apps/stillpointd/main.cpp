@@ -30,9 +30,11 @@ int main(int argc, char** argv) {
   };
   const auto config = io::read_config(path);
   if (!config) return refused(config.error());
-  if (!print && !check && config->source.kind == io::SourceKind::kNone)
-    return refused({ErrorKind::kBadConfig, path + ": no 'source:'; name a recording or a simulation there"});
-  if (!print && !check) return app::run_daemon(*config, options);
+  if (!print && !check) {
+    if (config->source.kind == io::SourceKind::kNone)
+      return refused({ErrorKind::kBadConfig, path + ": no 'source:'; name a recording or a simulation there"});
+    return app::run_daemon(*config, options);
+  }
   const auto said = io::write_text_file(
       "-", (print ? io::print_config(*config) : "") + (check ? path + ": a configuration without fault\n" : ""));
   return said ? 0 : refused(said.error());
