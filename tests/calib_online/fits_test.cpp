@@ -1,6 +1,8 @@
-#include <gtest/gtest.h>
+#include <gmock/gmock.h>
 
+#include <array>
 #include <random>
+#include <ranges>
 
 #include "calib_online/alignment.h"
 #include "calib_online/gyro_matrix.h"
@@ -28,13 +30,15 @@ class Dice {
   std::normal_distribution<double> normal_;
 };
 
+const Vec3 kCentre(2300, 2250, 2340);
+
 std::vector<Point> cloud(int n, double noise, unsigned seed) {
   Dice dice(seed);
   std::vector<Point> out;
   for (int k = 0; k < n; ++k) {
     const Vec3 error = dice.normal3(noise);
     const Vec3 direction = dice.normal3().normalized();
-    out.push_back({Vec3(Vec3(2300, 2250, 2340) + Vec3(480, 500, 520).cwiseProduct(direction) + error), std::nullopt});
+    out.push_back({Vec3(kCentre + Vec3(480, 500, 520).cwiseProduct(direction) + error), std::nullopt});
   }
   return out;
 }
@@ -48,7 +52,7 @@ TEST(PointsFit, EveryMethodFindsTheCentre) {
     // 1 count over 400 points: 0.1 a coordinate. LinAuto as printed assumes equal radii; MinVol follows the outermost
     // points.
     const double tolerance = m.method == Method::kLinAuto ? 8.0 : m.method == Method::kMinVolEllipsoid ? 5.0 : 0.6;
-    EXPECT_LT((f.offset - Vec3(2300, 2250, 2340)).norm(), tolerance) << m.name;
+    EXPECT_LT((f.offset - kCentre).norm(), tolerance) << m.name;
     EXPECT_LT(f.residual_rms, m.method == Method::kLinAuto ? 0.02 : 0.01) << m.name;
   }
 }
@@ -157,20 +161,49 @@ TEST(PointsFit, WhatDeterminesNoEllipsoidIsRefused) {
   refused(cap, Method::kLinAutoRepeated, FitStatus::kNotConverged);
 }
 
-TEST(PointsFit, MapBearsOutliersNearAndFar) {
-  const Vec3 centre(2300, 2250, 2340);
-  const auto error = [&](const std::vector<Point>& points, Method method) {
-    const PointsFit f = fit_points(method, points);
-    return f.status == FitStatus::kOk ? (f.offset - centre).norm() : 1e9;
-  };
-  for (const double times : {1.3, 3.0, 60.0}) {
-    auto points = cloud(40, 1.0, 9);
-    const double clean = error(points, Method::kMap);
-    for (const std::size_t k : {5U, 17U, 30U}) points[k].y = centre + times * (points[k].y - centre);
-    EXPECT_LT(error(points, Method::kMap), clean + 2.0) << times;  // 0.4 % of the radius
-    EXPECT_GT(error(points, Method::kMgn), 2.0 * error(points, Method::kMap)) << times;
-    EXPECT_EQ(fit_points(Method::kMap, points).set_aside.size(), times > 2.0 ? 3U : 0U) << times;
+constexpr int kClouds = 40;
+constexpr std::array<std::size_t, 3> kOutliers{5, 17, 30};  // of 40 points
+
+/// Three readings are as many times further from the centre.
+std::vector<Point> with_outliers(double times, unsigned seed) {
+  auto points = cloud(40, 1.0, seed);
+  for (const std::size_t k : kOutliers) points[k].y = kCentre + times * (points[k].y - kCentre);
+  return points;
+}
+
+double error(const PointsFit& f) { return f.status == FitStatus::kOk ? (f.offset - kCentre).norm() : 1e9; }
+
+TEST(PointsFit, MapFitsAsIfFarOutliersWereNotInTheTable) {
+  for (const double times : {3.0, 60.0})
+    for (unsigned seed = 0; seed < kClouds; ++seed) {
+      auto points = with_outliers(times, seed);
+      const PointsFit f = fit_points(Method::kMap, points);
+      EXPECT_THAT(f.set_aside, testing::ElementsAreArray(kOutliers)) << times << " " << seed;
+      EXPECT_GT(error(fit_points(Method::kMgn, points)), 100.0) << times << " " << seed;
+      for (const std::size_t k : std::views::reverse(kOutliers))
+        points.erase(points.begin() + static_cast<std::ptrdiff_t>(k));
+      const PointsFit without = fit_points(Method::kMap, points);
+      ASSERT_EQ(without.status, FitStatus::kOk);
+      EXPECT_LT((f.offset - without.offset).norm(), 1e-9) << times << " " << seed;
+    }
+}
+
+/// 30 % of the radius may be the shape of the ellipsoid: such readings are not taken out, they get less weight and
+/// widen the error that is stated. Nobody can say of one table how much they bend it; of many one can.
+TEST(PointsFit, MapBearsNearOutliersAndStatesTheErrorTheyLeave) {
+  int twice_as_good = 0;
+  double nees = 0.0;
+  for (unsigned seed = 0; seed < kClouds; ++seed) {
+    const auto points = with_outliers(1.3, seed);
+    const PointsFit f = fit_points(Method::kMap, points);
+    ASSERT_EQ(f.status, FitStatus::kOk) << seed << f.reason;
+    twice_as_good += error(fit_points(Method::kMgn, points)) > 2.0 * error(f);
+    const Vec3 e = f.offset - kCentre;
+    nees += e.dot(Mat3(f.covariance.topLeftCorner<3, 3>()).inverse() * e) / kClouds;
   }
+  // So with 182 of the seeds 1 to 200; fewer than 32 of 40 would come out of such odds once in a hundred.
+  EXPECT_GE(twice_as_good, 32);
+  EXPECT_LT(nees, 4.2);  // chi-square(3), 40 seeds: sd 0.39
 }
 
 TEST(LinAuto, RepeatingFromTheSameSumsRemovesTheErrorOfUnequalAxes) {
