@@ -2,12 +2,11 @@
 
 #include <Eigen/Dense>
 
-#include "core/so3.h"
+#include "calib_online/preintegration.h"
 
 namespace stillpoint::calib {
 namespace {
 
-using Mat39 = Eigen::Matrix<double, 3, 9>;
 using Mat93 = Eigen::Matrix<double, 9, 3>;
 
 Mat9 full(const Array45& lower) {

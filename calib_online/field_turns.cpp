@@ -59,8 +59,8 @@ void FieldTurnFinder::turn(const RawSample& s, const CalibrationSnapshot& calibr
   if (started_) {
     const Vec3 phi = 0.5 * (rate + last_rate_) * (static_cast<double>(s.t_ns - last_t_ns_) * kSecondsPerNs);
     const Quat step = exp_quat(phi);
-    block_.turned = (block_.turned * step).normalized();
-    anchor_.turned = (anchor_.turned * step).normalized();
+    block_.turned = renormalized(block_.turned * step);
+    anchor_.turned = renormalized(anchor_.turned * step);
     anchor_.path_rad += phi.norm();
   }
   last_rate_ = rate;

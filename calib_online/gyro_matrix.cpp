@@ -30,15 +30,7 @@ void accumulate(GyroMatrixSums& sums, const Mat39& M, const Vec3& measured, cons
 
 Preintegrated preintegrate(const GyroSegment& segment, const Mat3& H) noexcept {
   Preintegrated p;
-  for (const Vec3& z : segment.z) {
-    const Vec3 phi = H * z * segment.dt_s;
-    const Quat dq = exp_quat(phi);
-    const Mat3 Jr = right_jacobian(phi) * segment.dt_s;
-    p.J = dq.toRotationMatrix().transpose() * p.J;
-    for (int i = 0; i < 3; ++i) p.J.block<3, 3>(0, 3 * i) += Jr.col(i) * z.transpose();
-    p.q = p.q * dq;
-  }
-  p.q.normalize();
+  for (const Vec3& z : segment.z) p.advance(z, H, segment.dt_s);
   return p;
 }
 

@@ -7,10 +7,9 @@
 #include <vector>
 
 #include "calib_online/ellipsoid_fit.h"
+#include "calib_online/preintegration.h"
 
 namespace stillpoint::calib {
-
-using Mat39 = Eigen::Matrix<double, 3, 9>;
 
 /// The matrix as nine numbers, row by row.
 inline Vec9 rows_of(const Mat3& H) noexcept {
@@ -26,10 +25,6 @@ struct GyroSegment {
   Quat reference;  ///< v_start = R(reference) v_end
 };
 
-struct Preintegrated {
-  Quat q = Quat::Identity();  ///< v_start = R(q) v_end
-  Mat39 J = Mat39::Zero();    ///< rotation vector at the end by the rows of H
-};
 [[nodiscard]] Preintegrated preintegrate(const GyroSegment& segment, const Mat3& H) noexcept;
 
 /// Information about the rows of H: one linear measurement of the rotation, or of what it does to a known direction, a

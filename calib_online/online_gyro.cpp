@@ -45,7 +45,7 @@ bool OnlineCalibrator::absorb_turn(const Window& w) noexcept {
   const Mat3 rotation_cov =
       J_bias * mat(snapshot_.gyr.bias_covariance) * J_bias.transpose() +
       (squared(kWhite_radps_rtHz) * w.rotation_s + squared(kNonlinearity * w.rotation_path_rad)) * Mat3::Identity();
-  const Mat39 J = Eigen::Map<const Eigen::Matrix<double, 3, 9, Eigen::RowMajor>>(w.d_rotation_d_matrix.data());
+  const Mat39 J = Eigen::Map<const Mat39>(w.d_rotation_d_matrix.data());
   const Mat3 R = q.toRotationMatrix();
   const auto& prior = params_.gyro_matrix;
   const GyroMatrixFit before = solve(s_.turns, mat(factory_.gyr.matrix), prior.scale_sd, prior.cross_sd);

@@ -4,8 +4,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/so3.h"
-
 namespace stillpoint::calib {
 namespace {
 
@@ -93,7 +91,7 @@ void RestDetector::begin_quarter(const RawSample& sample) noexcept {
   open_ = true;
 }
 
-/// Trapezoid over the step; Jacobians after docs/math/gyro.md (Y3).
+/// Trapezoid over the step.
 void RestDetector::integrate(const RawSample& sample, const CalibrationSnapshot& calibration,
                              double temp_degC) noexcept {
   if (!sample.holds(kGyr) || !finite(sample.gyr_radps)) {
@@ -104,27 +102,20 @@ void RestDetector::integrate(const RawSample& sample, const CalibrationSnapshot&
   const Mat3 H = mat(calibration.gyr.matrix);
   const Vec3 z_now = vec(sample.gyr_radps) - calibration.gyr.bias_at(temp_degC);
   const Vec3 z = has_last_rate_ ? Vec3(0.5 * (z_now + last_rate_)) : z_now;
-  const Vec3 u = H * z;
-  const Vec3 phi = u * dt_s;
-  const Quat dq = exp_quat(phi);
-  const Mat3 E_t = dq.toRotationMatrix().transpose();
-  const Mat3 Jr = right_jacobian(phi) * dt_s;
-  chain_.J = E_t * chain_.J;
-  for (int i = 0; i < 3; ++i) chain_.J.block<3, 3>(0, 3 * i) += Jr.col(i) * z.transpose();
-  chain_.J_bias = E_t * chain_.J_bias - Jr * H;
-  chain_.q = (chain_.q * dq).normalized();
-  chain_.angle_rad += phi.norm();
+  chain_.rotation.advance(z, H, dt_s);
+  const double rate_radps = (H * z).norm();
+  chain_.angle_rad += rate_radps * dt_s;
   chain_.duration_s += dt_s;
   last_rate_ = z_now;
   has_last_rate_ = true;
-  if (u.squaredNorm() > kMovedRate_radps * kMovedRate_radps) moved_ = true;
+  if (rate_radps > kMovedRate_radps) moved_ = true;
   if (beyond(sample.gyr_radps, params_.gyr_limit_radps)) chain_.broken = true;
 }
 
 void RestDetector::add(const RawSample& sample, const CalibrationSnapshot& calibration, double temp_degC) noexcept {
   const int block = static_cast<int>(
       std::min<std::int64_t>(kBlocks - 1, (sample.t_ns - current_.t_first_ns) * kBlocks / quarter_ns_));
-  const Mat3 R_ref_body = chain_.q.toRotationMatrix();
+  const Mat3 R_ref_body = chain_.rotation.q.toRotationMatrix();
   if (sample.holds(kAcc) && finite(sample.acc_mps2)) {
     add(kAccIndex, sample.acc_mps2, calibration.acc, temp_degC, block, R_ref_body);
     current_.triad[kAccIndex].clipped += beyond(sample.acc_mps2, params_.acc_limit_mps2);

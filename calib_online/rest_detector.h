@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <optional>
 
+#include "calib_online/preintegration.h"
 #include "calib_online/window.h"
 #include "core/calibration.h"
 #include "core/fields.h"
@@ -93,11 +94,9 @@ class RestDetector {
     }
     [[nodiscard]] int count() const noexcept { return n[0] + n[1] + n[2] + n[3]; }
   };
-  /// The rotation since the middle of the previous window, with its derivatives.
+  /// The way since the middle of the previous window.
   struct Chain {
-    Quat q = Quat::Identity();
-    Eigen::Matrix<double, 3, 9> J = Eigen::Matrix<double, 3, 9>::Zero();
-    Mat3 J_bias = Mat3::Zero();
+    Preintegrated rotation;
     double angle_rad = 0.0, duration_s = 0.0;
     bool broken = true;
   };

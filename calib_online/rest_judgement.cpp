@@ -67,7 +67,7 @@ Mat3 RestDetector::covariance_of_mean(std::size_t w, const Vec3& mean_in_ref) co
 
 RestDetector::Summary RestDetector::summarise(std::size_t w) const noexcept {
   Summary s;
-  const Mat3 R_middle_ref = quarters_[kQuarters / 2].chain.q.toRotationMatrix().transpose();
+  const Mat3 R_middle_ref = quarters_[kQuarters / 2].chain.rotation.q.toRotationMatrix().transpose();
   std::array<Vec3, kQuarters> mean, mean_ref;
   Vec3 total = Vec3::Zero(), total_ref = Vec3::Zero(), sq = Vec3::Zero(), raw_step_sq = Vec3::Zero();
   double step_sq = 0.0;

@@ -5,7 +5,6 @@
 #include <cmath>
 
 #include "calib_online/rest_detector.h"
-#include "core/so3.h"
 
 namespace stillpoint::calib {
 namespace {
@@ -100,24 +99,21 @@ void RestDetector::hand_on_rotation(Window& w, const CalibrationSnapshot& calibr
   w.rotation_s = at_middle.duration_s;
   w.rotation_path_rad = at_middle.angle_rad;
   w.rotation_valid = !at_middle.broken && at_middle.duration_s > 0.0 && at_middle.duration_s <= params_.rotation_max_s;
-  w.q_previous_this = {at_middle.q.w(), at_middle.q.x(), at_middle.q.y(), at_middle.q.z()};
+  const Preintegrated& turned = at_middle.rotation;
+  w.q_previous_this = {turned.q.w(), turned.q.x(), turned.q.y(), turned.q.z()};
   const Mat3 bias_cov = calibration.gyr.bias_covariance[0] > 0
                             ? Mat3(mat(calibration.gyr.bias_covariance))
                             : Mat3(params_.gyr_bias_sd_radps * params_.gyr_bias_sd_radps * Mat3::Identity());
   const double white = kGyrNoise_radps_rtHz * kGyrNoise_radps_rtHz * at_middle.duration_s;
   const double scale = kScaleError * at_middle.angle_rad;
-  w.rotation_cov = array(
-      Mat3(at_middle.J_bias * bias_cov * at_middle.J_bias.transpose() + (white + scale * scale) * Mat3::Identity()));
-  for (int r = 0; r < 3; ++r)
-    for (int c = 0; c < 9; ++c) w.d_rotation_d_matrix[static_cast<std::size_t>(9 * r + c)] = at_middle.J(r, c);
-  w.d_rotation_d_bias = array(at_middle.J_bias);
+  w.rotation_cov =
+      array(Mat3(turned.J_bias * bias_cov * turned.J_bias.transpose() + (white + scale * scale) * Mat3::Identity()));
+  Eigen::Map<Mat39>(w.d_rotation_d_matrix.data()) = turned.J;
+  w.d_rotation_d_bias = array(turned.J_bias);
   w.gyr_matrix_used = calibration.gyr.matrix;
 
   Chain next;
-  next.q = (at_middle.q.conjugate() * chain_.q).normalized();
-  const Mat3 R_t = next.q.toRotationMatrix().transpose();
-  next.J = chain_.J - R_t * at_middle.J;
-  next.J_bias = chain_.J_bias - R_t * at_middle.J_bias;
+  next.rotation = chain_.rotation.after(turned);
   next.duration_s = chain_.duration_s - at_middle.duration_s;
   next.angle_rad = chain_.angle_rad - at_middle.angle_rad;
   next.broken = !has_last_rate_;
