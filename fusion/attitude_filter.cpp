@@ -74,11 +74,16 @@ AttitudeEstimate AttitudeFilter::step(const CalibratedSample& sample, bool at_re
   return estimate(sample.t_ns);
 }
 
+void AttitudeFilter::set_attitude(const Quat& q_world_body) noexcept {
+  s_.x.q_world_body = array(q_world_body);
+  mat(s_.R_world_body) = quat(s_.x.q_world_body).toRotationMatrix();
+}
+
 void AttitudeFilter::start_from(const Vec3& acc_mps2) noexcept {
   if (acc_mps2.norm() < 0.1 * kStandardGravity_mps2) return;  // falling: there is no down
   const Quat tilt = Quat::FromTwoVectors(acc_mps2, Vec3::UnitZ());
   const Quat turn_to_heading(Eigen::AngleAxisd(s_.start_heading_rad - heading_of(tilt), Vec3::UnitZ()));
-  s_.x.q_world_body = array(turn_to_heading * tilt);
+  set_attitude(turn_to_heading * tilt);
   // What motion adds to gravity along the reading it adds across it too, where it tilts.
   s_.start_tilt_rad =
       kStartTilt_rad + std::min(1.0, std::abs(acc_mps2.norm() - kStandardGravity_mps2) / kStandardGravity_mps2);
@@ -107,7 +112,7 @@ void AttitudeFilter::judge(const CalibratedSample& sample, bool acc, bool gyr, d
   // Both unchanged is a simulation without noise at rest; one unchanged beside a living one is stuck. Its reading may
   // still be true, so it serves on, with the noise of an absent one.
   if (gyr_stuck && acc && !acc_stuck) {
-    mat(s_.sums.theta_rad2) += unknown_turn2(dt_s) * Mat3::Identity();
+    mat(s_.sums.theta_rad2).diagonal().array() += unknown_turn2(dt_s);
   }
   if (acc_stuck && gyr && !gyr_stuck) s_.sums.velocity_m2ps2 += unknown_speed2(dt_s);
   const bool whole = acc && gyr && acc_stuck == gyr_stuck && sample.clipped == 0 && dt_s < kLongestStep_s;
@@ -115,7 +120,6 @@ void AttitudeFilter::judge(const CalibratedSample& sample, bool acc, bool gyr, d
 }
 
 void AttitudeFilter::turn(const CalibratedSample& sample, bool usable_reading, double dt_s) noexcept {
-  Quat q = quat(s_.x.q_world_body);
   const double rate2 = vec(s_.rate_radps).squaredNorm();
   double noise2 = (params_.gyr_noise_radps_rtHz * params_.gyr_noise_radps_rtHz +
                    params_.gyr_rate_noise_rtHz * params_.gyr_rate_noise_rtHz * rate2) *
@@ -134,13 +138,13 @@ void AttitudeFilter::turn(const CalibratedSample& sample, bool usable_reading, d
   }
   const double turned_s = std::min(dt_s, kLongestStep_s);
   const Vec3 rate = vec(s_.rate_radps);
-  const Mat3 R = q.toRotationMatrix();
+  const auto R = mat(s_.R_world_body);
   vec(s_.sums.rate_radps_s) += rate * turned_s;
   mat(s_.sums.motion.R) += R * dt_s;
   for (std::size_t j = 0; j < 3; ++j) {
     mat(s_.sums.motion.R_rate[j]) += R * (raw(static_cast<int>(j)) * turned_s);
   }
-  mat(s_.sums.theta_rad2) += noise2 * Mat3::Identity();
+  mat(s_.sums.theta_rad2).diagonal().array() += noise2;
   if (usable_reading && (sample.clipped & kGyr) != 0) {
     // (A9) At the limit the true rate is larger by an unknown part of the reading, for as long as a stroke lasts.
     int axis = 0;
@@ -148,7 +152,7 @@ void AttitudeFilter::turn(const CalibratedSample& sample, bool usable_reading, d
     const Vec3 about = R.col(axis) * (0.3 * peak);
     mat(s_.sums.theta_rad2) += about * about.transpose() * (0.1 * dt_s);
   }
-  s_.x.q_world_body = array(q * exp_quat(rate * turned_s));
+  set_attitude(quat(s_.x.q_world_body) * exp_quat(rate * turned_s));
 }
 
 void AttitudeFilter::accelerate(const CalibratedSample& sample, bool usable_reading, double dt_s) noexcept {
@@ -156,7 +160,7 @@ void AttitudeFilter::accelerate(const CalibratedSample& sample, bool usable_read
     s_.sums.velocity_m2ps2 += unknown_speed2(dt_s);
     return;
   }
-  const Vec3 force = quat(s_.x.q_world_body) * Vec3(vec(sample.acc_mps2) - vec(s_.x.acc_bias_mps2));
+  const Vec3 force = mat(s_.R_world_body) * (vec(sample.acc_mps2) - vec(s_.x.acc_bias_mps2));
   vec(s_.sums.motion.force) += force * dt_s;
   const Vec3 before = vec(s_.x.velocity_mps);
   vec(s_.x.velocity_mps) += (force - Vec3(0, 0, kStandardGravity_mps2)) * dt_s;
@@ -173,7 +177,7 @@ void AttitudeFilter::gather_field(const CalibratedSample& sample) noexcept {
   s_.magnetometer_seen = true;
   s_.last_field_uT = sample.mag_uT;
   if ((sample.clipped & kMag) != 0 || !s_.has_attitude) return;
-  const Mat3 R = quat(s_.x.q_world_body).toRotationMatrix();
+  const auto R = mat(s_.R_world_body);
   vec(s_.sums.field_uT) += R * vec(sample.mag_uT);
   mat(s_.sums.field_R) += R;
   ++s_.sums.fields;
@@ -205,7 +209,7 @@ void AttitudeFilter::inject() noexcept {
     start_errors();  // overflow: keep the attitude, forget what was known of its error
     return;
   }
-  s_.x.q_world_body = array(exp_quat(d.segment<3>(kTheta)) * quat(s_.x.q_world_body));
+  set_attitude(exp_quat(d.segment<3>(kTheta)) * quat(s_.x.q_world_body));
   vec(s_.x.velocity_mps) += d.segment<3>(kVelocity);
   vec(s_.x.position_m) += d.segment<3>(kPosition);
   vec(s_.x.gyr_bias_radps) += d.segment<3>(kGyrBias);
@@ -221,10 +225,9 @@ AttitudeEstimate AttitudeFilter::estimate(std::int64_t t_ns) const noexcept {
   out.at_rest = s_.at_rest;
   Mat3 cov = kPi * kPi * Mat3::Identity();
   if (s_.has_attitude) {
-    const Quat q = quat(s_.x.q_world_body);
     out.q_world_body = s_.x.q_world_body;
     if (params_.prediction_s > 0.0) {
-      out.q_world_body = array(q * exp_quat(params_.prediction_s * vec(s_.rate_radps)));
+      out.q_world_body = array(quat(s_.x.q_world_body) * exp_quat(params_.prediction_s * vec(s_.rate_radps)));
     }
     cov = s_.error.P().block<3, 3>(kTheta, kTheta) + mat(s_.iron_rad2) + mat(s_.sums.theta_rad2);
     for (int i = 0; i < 3; ++i) {

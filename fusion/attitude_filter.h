@@ -149,9 +149,10 @@ class AttitudeFilter {
     MotionScale motion_scale;
     Sums sums;
     std::int64_t t_ns = 0;
-    Array3 rate_radps{};     ///< last corrected rate, for bridging
-    Array3 last_field_uT{};  ///< last reading, to tell a held value from a new one
-    Array9 iron_rad2{};      ///< what an untrue hard iron may have done to the attitude, world axes
+    Array9 R_world_body{1, 0, 0, 0, 1, 0, 0, 0, 1};  ///< of x.q_world_body
+    Array3 rate_radps{};                             ///< last corrected rate, for bridging
+    Array3 last_field_uT{};                          ///< last reading, to tell a held value from a new one
+    Array9 iron_rad2{};  ///< what an untrue hard iron may have done to the attitude, world axes
     Repetition acc_repeats, gyr_repeats;
     double temp_degC = 25.0;
     double start_heading_rad = 0.0;
@@ -168,6 +169,7 @@ class AttitudeFilter {
     AttitudeStatus status = AttitudeStatus::kWaiting;
   };
 
+  void set_attitude(const Quat& q_world_body) noexcept;
   void start_from(const Vec3& acc_mps2) noexcept;
   void start_errors() noexcept;
   void judge(const CalibratedSample& sample, bool acc, bool gyr, double dt_s) noexcept;

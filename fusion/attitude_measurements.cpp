@@ -91,7 +91,7 @@ void AttitudeFilter::measure_field(double time_s) noexcept {
 
 void AttitudeFilter::start_heading(const HeadingReading& reading) noexcept {
   const Quat turn_by(Eigen::AngleAxisd(reading.error_rad, Vec3::UnitZ()));
-  s_.x.q_world_body = array(turn_by * quat(s_.x.q_world_body));
+  set_attitude(turn_by * quat(s_.x.q_world_body));
   vec(s_.x.velocity_mps) = turn_by * Vec3(vec(s_.x.velocity_mps));
   vec(s_.x.position_m) = turn_by * Vec3(vec(s_.x.position_m));
   s_.error.forget(kTheta + 2, params_.heading_disturbance_rad * params_.heading_disturbance_rad +

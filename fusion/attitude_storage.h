@@ -3,15 +3,16 @@
 #include <cmath>
 #include <numbers>
 
+#include "core/so3.h"
 #include "fusion/attitude_estimate.h"
 
 namespace stillpoint::fusion {
 
 inline Quat quat(const Array4& q) { return Quat(q[0], q[1], q[2], q[3]); }
 
-/// Unit norm and w >= 0, so that the same attitude has the same four numbers.
+/// Of a product of unit quaternions: unit norm and w >= 0, so that the same attitude has the same four numbers.
 inline Array4 array(const Quat& q) {
-  const Quat n = q.normalized();
+  const Quat n = renormalized(q);
   const double sign = n.w() < 0 ? -1.0 : 1.0;
   return {sign * n.w(), sign * n.x(), sign * n.y(), sign * n.z()};
 }

@@ -15,28 +15,29 @@ void ErrorState::start(const ErrorVector& sd) noexcept {
 void ErrorState::propagate(const MotionSums& sums, const ProcessNoise& noise) noexcept {
   Eigen::Map<ErrorMatrix> cov = P();
   const double T = sums.time_s;
-  const Mat3 R = mat(sums.R);
+  const Mat3 R_t = mat(sums.R).transpose();
   const Mat3 force = skew(vec(sums.force));
-  Eigen::Matrix<double, 3, 9> R_rate;
-  for (int j = 0; j < 3; ++j) R_rate.middleCols<3>(3 * j) = mat(sums.R_rate[static_cast<std::size_t>(j)]);
+  Eigen::Matrix<double, 9, 3> R_rate_t;
+  for (int j = 0; j < 3; ++j) R_rate_t.middleRows<3>(3 * j) = mat(sums.R_rate[static_cast<std::size_t>(j)]).transpose();
   const double keep = std::exp(-T / noise.disturbance_time_s);
 
-  // F acts on few rows, so F P is formed in place: position first (it uses the old velocity), then velocity, rotation.
-  const auto rows = [&](auto&& M) {
-    // Lazy products: Eigen's other ones copy, and for 9 by 25 it would take the blocked one, made for large matrices.
+  // M F', in place, as F differs from the identity in few rows: position first (it uses the old velocity), then
+  // velocity, rotation. By columns, which lie one after the other in memory.
+  const auto times_F_t = [&](auto&& M) {
+    // Lazy products: Eigen's other ones copy, and for 25 by 9 it would take the blocked one, made for large matrices.
     const auto velocity =
-        (force.lazyProduct(M.template middleRows<3>(kTheta)) + R.lazyProduct(M.template middleRows<3>(kAccBias)))
+        (M.template middleCols<3>(kAccBias).lazyProduct(R_t) - M.template middleCols<3>(kTheta).lazyProduct(force))
             .eval();
-    M.template middleRows<3>(kPosition) += T * (M.template middleRows<3>(kVelocity) - 0.5 * velocity);
-    M.template middleRows<3>(kVelocity) -= velocity;
-    M.template middleRows<3>(kTheta) -=
-        R.lazyProduct(M.template middleRows<3>(kGyrBias)) + R_rate.lazyProduct(M.template middleRows<9>(kGyrMatrix));
-    M.row(kDisturbance) *= keep;
+    M.template middleCols<3>(kPosition) += T * (M.template middleCols<3>(kVelocity) - 0.5 * velocity);
+    M.template middleCols<3>(kVelocity) -= velocity;
+    M.template middleCols<3>(kTheta) -= M.template middleCols<3>(kGyrBias).lazyProduct(R_t) +
+                                        M.template middleCols<9>(kGyrMatrix).lazyProduct(R_rate_t);
+    M.col(kDisturbance) *= keep;
   };
-  rows(cov);
+  times_F_t(cov);
   cov.transposeInPlace();
-  rows(cov);
-  rows(by_iron());
+  times_F_t(cov);
+  times_F_t(by_iron().transpose());
 
   cov.block<3, 3>(kTheta, kTheta) += mat(noise.theta_rad2);
   const double gyr_walk = noise.gyr_bias_walk * noise.gyr_bias_walk * T;

@@ -24,7 +24,7 @@ enum ErrorIndex : int {
 using ErrorVector = Eigen::Matrix<double, kErrorStates, 1>;
 using ErrorMatrix = Eigen::Matrix<double, kErrorStates, kErrorStates>;
 /// What an untrue hard iron does to the estimate: three columns times its error (uT, body axes), and one of its own.
-using IronMatrix = Eigen::Matrix<double, kErrorStates, 4>;
+using IronMatrix = Eigen::Matrix<double, kErrorStates, 4, Eigen::RowMajor>;
 
 /// What the samples between two covariance steps leave behind. Plain sums, so the cost per sample is small.
 struct MotionSums {
