@@ -66,6 +66,7 @@ class FaultInjector {
     }
     return state;
   }
+  void prepare() noexcept { pipeline::prepare(source_); }
 
  private:
   /// SplitMix64, uniform in [0, 1).

@@ -67,6 +67,7 @@ class SensorLoop {
       const SourceState state = source_.next(arrival_);
       if (state == SourceState::kSample) {
         handle();
+        prepare(source_);
         rehearsal_.before_next(stages_, arrival_.sample, arrival_.arrival_ns);
       } else if (state == SourceState::kGone || state == SourceState::kEnd) {
         change_state(state == SourceState::kGone ? SensorState::kGone : SensorState::kEnded);

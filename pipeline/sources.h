@@ -1,6 +1,7 @@
 /// Sources without hardware: samples kept in memory, pacing to the wall clock, and a source that misbehaves on purpose.
 #pragma once
 #include <algorithm>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -35,18 +36,15 @@ class PacedSource {
 
   SourceState next(Arrival& out) noexcept {
     if (factor_ <= 0.0) return source_.next(out);
-    if (!held_) {
-      const SourceState state = source_.next(pending_);
-      if (state != SourceState::kSample) return state;
-      if (!started_) {
-        start_ns_ = monotonic_ns();
-        first_ns_ = pending_.sample.t_ns;
-        started_ = true;
-      }
-      const double due_ns = static_cast<double>(pending_.sample.t_ns - first_ns_) / factor_;
-      pending_.arrival_ns = start_ns_ + static_cast<std::int64_t>(std::clamp(due_ns, -kLongest_ns, kLongest_ns));
-      held_ = true;
+    prepare();
+    if (*drawn_ != SourceState::kSample) return *std::exchange(drawn_, std::nullopt);
+    if (!started_) {
+      start_ns_ = monotonic_ns();
+      first_ns_ = pending_.sample.t_ns;
+      started_ = true;
     }
+    const double due_ns = static_cast<double>(pending_.sample.t_ns - first_ns_) / factor_;
+    pending_.arrival_ns = start_ns_ + static_cast<std::int64_t>(std::clamp(due_ns, -kLongest_ns, kLongest_ns));
     // A long pause in the recording is slept in pieces, so that a request to stop is noticed.
     const std::int64_t now = monotonic_ns();
     if (pending_.arrival_ns > now + kLongestSleep_ns) {
@@ -55,8 +53,13 @@ class PacedSource {
     }
     sleep_until_ns(pending_.arrival_ns);
     out = pending_;
-    held_ = false;
+    drawn_.reset();
     return SourceState::kSample;
+  }
+
+  /// Draws the next sample ahead of its time: a simulator's work is done before, not between waking and sleeping.
+  void prepare() noexcept {
+    if (factor_ > 0.0 && !drawn_) drawn_ = source_.next(pending_);
   }
 
  private:
@@ -66,7 +69,8 @@ class PacedSource {
   double factor_;
   Arrival pending_;
   std::int64_t start_ns_ = 0, first_ns_ = 0;
-  bool started_ = false, held_ = false;
+  std::optional<SourceState> drawn_;  ///< what the other source has answered and nobody has been told yet
+  bool started_ = false;
 };
 
 static_assert(Source<MemorySource> && Source<PacedSource<MemorySource>>);

@@ -40,11 +40,18 @@ struct Arrival {
 };
 
 /// `next` blocks in the kernel or sleeps until a reading is there, at most some 100 ms, so that a stop is noticed.
+/// What a source can do for its next reading before that is due it may do in a function `prepare`.
 template <class S>
 concept Source = requires(S source, Arrival& out) {
   { source.next(out) }
   noexcept->std::same_as<SourceState>;
 };
+
+/// After a sample has been dealt with, while nothing waits.
+template <Source S>
+void prepare(S& source) noexcept {
+  if constexpr (requires { source.prepare(); }) source.prepare();
+}
 
 /// Takes each message on the sensor thread. False: the message was lost (counted by the caller).
 template <class S, class Message>
