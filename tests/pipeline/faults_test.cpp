@@ -129,6 +129,32 @@ TEST(Faults, ASourceSlowerThanTheMachineLivesIsSlept) {
   EXPECT_EQ(source.next(out), SourceState::kNothing);
 }
 
+TEST(Faults, WhatIsDrawnAheadIsToldOnceAndInOrder) {
+  using enum SourceState;
+  struct Scripted {
+    int* drawn;
+    SourceState next(Arrival& out) noexcept {
+      static constexpr SourceState kScript[] = {kSample, kSample, kGone, kSample, kEnd};
+      out.sample = {.t_ns = 1000 * *drawn, .has = kAcc};
+      return kScript[std::min((*drawn)++, 4)];
+    }
+  };
+  int drawn = 0;
+  FaultInjector<PacedSource<Scripted>> source(PacedSource<Scripted>({&drawn}, 1.0), {});
+  Arrival out;
+  int told = 0;
+  for (const SourceState expected : {kSample, kSample, kGone, kSample, kEnd, kEnd}) {
+    EXPECT_EQ(source.next(out), expected) << told;
+    if (expected == kSample) {
+      EXPECT_EQ(out.sample.t_ns, 1000 * told);
+    }
+    EXPECT_EQ(drawn, ++told);
+    prepare(source);
+    prepare(source);
+    EXPECT_EQ(drawn, told + 1) << "drawn while nothing waits, and no further";
+  }
+}
+
 TEST(Faults, SaturationIsMarked) {
   GuardStage guard({.gyr_limit_radps = 10.0});
   GuardedSample out;
