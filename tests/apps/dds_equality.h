@@ -3,6 +3,7 @@
 #pragma once
 #include <bit>
 #include <cstdlib>
+#include <iostream>
 #include <map>
 #include <mutex>
 
@@ -91,6 +92,8 @@ inline double share_received_bit_for_bit(double speed) {
   EXPECT_EQ(different, 0U) << "of " << received.rows.size();
   EXPECT_EQ(received.messages, received.rows.size()) << "a message came twice";
   EXPECT_GT(offline.size(), 13'000U);
+  if (received.rows.size() < offline.size())  // lost on the way, or refused or not written: the daemon knows
+    std::cout << offline.size() - received.rows.size() << " rows are missing; " << read_file(scratch / "daemon.log");
   return static_cast<double>(received.rows.size()) / static_cast<double>(offline.size());
 }
 
