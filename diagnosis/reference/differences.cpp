@@ -49,16 +49,42 @@ Series3 differences(const Series3& x, const Weights& c, double sign) {
 
 constexpr int kReach = static_cast<int>(kStencilReach);
 
-}  // namespace
-
-Series3 derivative(const Series3& x, double dt_s) {
-  static const Weights c = weights(1, kReach);
-  return differences(x, c, -1.0) / dt_s;
+/// Polynomial through `reach` uneven rows on either side, and the row itself.
+Eigen::RowVector3d stencil(const Series3& x, const RowTimes& rows, Eigen::Index i, int order, Eigen::Index reach) {
+  Series nodes(2 * reach + 1);
+  for (Eigen::Index k = 0; k < nodes.size(); ++k) nodes[k] = (rows.at(i - reach + k) - rows.at(i)) / rows.step_s;
+  return polynomial_weights(nodes, 0.0, order).col(order).transpose() * x.middleRows(i - reach, nodes.size());
 }
 
-Series3 second_derivative(const Series3& x, double dt_s) {
-  static const Weights c = weights(2, kReach);
-  return differences(x, c, 1.0) / (dt_s * dt_s);
+/// A derivative in units of the step.
+Series3 of_order(int order, const Series3& x, const RowTimes& rows) {
+  static const std::array<Weights, 2> c{weights(1, kReach), weights(2, kReach)};
+  if (rows.even()) return differences(x, c[static_cast<std::size_t>(order - 1)], order == 1 ? -1.0 : 1.0);
+  Series3 d = Series3::Zero(x.rows(), 3);
+  if (x.rows() <= 2 * kStencilReach) return d;
+  for (Eigen::Index i = kStencilReach; i + kStencilReach < x.rows(); ++i)
+    d.row(i) = stencil(x, rows, i, order, kStencilReach);
+  return with_ends(std::move(d));
+}
+
+/// What the next shorter stencil gives differently, in units of the step.
+Series error_of_order(int order, const Series3& x, const RowTimes& rows) {
+  static const std::array<Weights, 2> c{minus(weights(1, kReach), weights(1, kReach - 1)),
+                                        minus(weights(2, kReach), weights(2, kReach - 1))};
+  if (rows.even())
+    return differences(x, c[static_cast<std::size_t>(order - 1)], order == 1 ? -1.0 : 1.0).rowwise().norm();
+  Series3 d = Series3::Zero(x.rows(), 3);
+  for (Eigen::Index i = kStencilReach; i + kStencilReach < x.rows(); ++i)
+    d.row(i) = stencil(x, rows, i, order, kStencilReach) - stencil(x, rows, i, order, kStencilReach - 1);
+  return d.rowwise().norm();
+}
+
+}  // namespace
+
+Series3 derivative(const Series3& x, const RowTimes& rows) { return of_order(1, x, rows) / rows.step_s; }
+
+Series3 second_derivative(const Series3& x, const RowTimes& rows) {
+  return of_order(2, x, rows) / (rows.step_s * rows.step_s);
 }
 
 double noise_of_derivative(double sd, double dt_s) {
@@ -72,14 +98,10 @@ double noise_of_second_derivative(double sd, double dt_s) {
   return sd * std::sqrt(centre * centre + 2.0 * std::inner_product(c.begin(), c.end(), c.begin(), 0.0)) / (dt_s * dt_s);
 }
 
-Series derivative_error(const Series3& x, double dt_s) {
-  static const Weights c = minus(weights(1, kReach), weights(1, kReach - 1));
-  return differences(x, c, -1.0).rowwise().norm() / dt_s;
-}
+Series derivative_error(const Series3& x, const RowTimes& rows) { return error_of_order(1, x, rows) / rows.step_s; }
 
-Series second_derivative_error(const Series3& x, double dt_s) {
-  static const Weights c = minus(weights(2, kReach), weights(2, kReach - 1));
-  return differences(x, c, 1.0).rowwise().norm() / (dt_s * dt_s);
+Series second_derivative_error(const Series3& x, const RowTimes& rows) {
+  return error_of_order(2, x, rows) / (rows.step_s * rows.step_s);
 }
 
 }  // namespace stillpoint::diag

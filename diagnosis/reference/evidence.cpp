@@ -129,7 +129,7 @@ HeldOut held_out(const SensorSearch& search, const std::vector<std::size_t>& eff
   const auto [less, fewer] = without_effects(search, effects);
   const Columns all = search.explained();
   const NoiseModel noise(t.layout, fit_profile(t, all).leftover);
-  const auto block = static_cast<Eigen::Index>(std::lround(kFold_s / t.dt_s));
+  const auto block = static_cast<Eigen::Index>(std::lround(kFold_s / t.rows.step_s));
   HeldOut out;
   Series3 before = Series3::Zero(t.layout.n, 3), after = before;
   Series gain = Series::Zero(t.layout.n);

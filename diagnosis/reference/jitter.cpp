@@ -59,7 +59,7 @@ Vec3 quiet_variance(const Series3& left, const Series3& slope, const Mask& muted
 Rows rows_of(const Signals& s, Sensor k) {
   Rows rows;
   rows.sensor = k;
-  const Series3 slope = at_rest_zero(s, derivative(s.vector[k], s.dt_s));
+  const Series3 slope = at_rest_zero(s, derivative(s.vector[k], s.rows));
   const Series3 left = rough(s, k, slope);
   const Vec3 quiet2 = quiet_variance(left, slope, s.muted[k]);
   Series across = Series::Zero(s.n), counted = across, along = across, quiet_along = across;
@@ -144,9 +144,9 @@ void set_right(Signals& s, const std::vector<Rows>& sensors, double sd_s) {
   const Series late_s = evidence.cwiseQuotient(information);
   for (const Rows& r : sensors) {
     const Series3& v = s.vector[r.sensor];
-    const Series3 bend = 0.5 * at_rest_zero(s, second_derivative(v, s.dt_s));
+    const Series3 bend = 0.5 * at_rest_zero(s, second_derivative(v, s.rows));
     s.residual[r.sensor] -=
-        late_s.asDiagonal() * at_rest_zero(s, derivative(v, s.dt_s)) + late_s.cwiseAbs2().asDiagonal() * bend;
+        late_s.asDiagonal() * at_rest_zero(s, derivative(v, s.rows)) + late_s.cwiseAbs2().asDiagonal() * bend;
   }
 }
 

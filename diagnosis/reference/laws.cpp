@@ -125,15 +125,15 @@ class LawList {
   void timing() {
     const Signals& s = s_;
     const Sensor k = sensor_;
-    const auto slope = [&s, k](double) { return coupled({at_rest_zero(s, -derivative(s.vector[k], s.dt_s))}); };
+    const auto slope = [&s, k](double) { return coupled({at_rest_zero(s, -derivative(s.vector[k], s.rows))}); };
     add(prefix_ + "delay", slope, {"tau"}, "s", "delta = true(t - tau) - true(t)",
         "first derivative of the measured vector")
         .kind = Kind::kTiming;
     Law& filter = add(
         prefix_ + (k == kMag ? "delay" : "resonance"),
         [&s, k](double) {
-          return coupled({at_rest_zero(s, -derivative(s.vector[k], s.dt_s)),
-                          at_rest_zero(s, second_derivative(s.vector[k], s.dt_s))});
+          return coupled({at_rest_zero(s, -derivative(s.vector[k], s.rows)),
+                          at_rest_zero(s, second_derivative(s.vector[k], s.rows))});
         },
         {"c1", "c2"}, "s", "delta = -c1 d/dt + c2 d2/dt2", "first and second derivative of the measured vector");
     filter.kind = Kind::kTiming;
@@ -144,7 +144,7 @@ class LawList {
     Law& skew = add(
         "sys_skew",
         [&s, k](double) {
-          const Series3 d = at_rest_zero(s, derivative(s.vector[k], s.dt_s));
+          const Series3 d = at_rest_zero(s, derivative(s.vector[k], s.rows));
           return coupled({s.t_s.asDiagonal() * d});
         },
         {"epsilon"}, "1", "delta = true(t (1 + epsilon)) - true(t)", "time times the first derivative");

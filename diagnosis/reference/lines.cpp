@@ -106,7 +106,7 @@ std::optional<Found> line_in(const SensorSearch& search) {
   Series3 left = fit_with(plain, search.explained(), NoiseModel(plain.layout, plain.residual), {}).leftover;
   for (int axis = 0; axis < 3; ++axis) left.col(axis).array() *= plain.layout.present;
   const Series power = over_background(left);
-  const double bin_Hz = 1.0 / (static_cast<double>(left.rows()) * plain.dt_s);
+  const double bin_Hz = 1.0 / (static_cast<double>(left.rows()) * plain.rows.step_s);
   const auto lowest = static_cast<Eigen::Index>(std::ceil(kLowest_Hz / bin_Hz));
   if (power.size() < lowest + kBand) return std::nullopt;
   Eigen::Index at = 0;
@@ -118,7 +118,7 @@ std::optional<Found> line_in(const SensorSearch& search) {
   std::nth_element(around.begin(), around.begin() + static_cast<std::ptrdiff_t>(around.size() / 2), around.end());
   if (power[at] < 0.3 * kLeastOverMean * around[around.size() / 2]) return std::nullopt;
   Found f;
-  const double half_rate_Hz = 0.5 / plain.dt_s;
+  const double half_rate_Hz = 0.5 / plain.rows.step_s;
   const double frequency_Hz = refined(left, search.t_s, static_cast<double>(at) * bin_Hz, bin_Hz, half_rate_Hz);
   if (half_rate_Hz - frequency_Hz < kSameFrequency * bin_Hz) {
     if (plain.sensor != kMag) return std::nullopt;

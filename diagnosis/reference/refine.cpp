@@ -53,7 +53,7 @@ Window moved_edges(const Target& target, const Columns& explained, const Columns
                        beside.whiten(target.layout, with.col(axis), axis).cwiseAbs2());
   for (Eigen::Index i = 1; i < evidence.size(); ++i) evidence[i] += evidence[i - 1];
   Window out = window;
-  const auto reach = static_cast<Eigen::Index>(kEdgeReach_s / target.dt_s);
+  const auto reach = static_cast<Eigen::Index>(kEdgeReach_s / target.rows.step_s);
   const auto clip = [&](Eigen::Index i) { return std::clamp<Eigen::Index>(i, 1, target.layout.n - 1); };
   if (window.begin > 0) {
     Eigen::Index at = 0;
@@ -108,7 +108,7 @@ Window held_to(Eigen::Index shortest, const Target& target, const Columns& expla
 Window refine_window(const Target& target, const Columns& explained, const Law& law, const Candidate& c,
                      const NoiseModel& noise) {
   const Columns everywhere = law.columns(c.shape);
-  const auto shortest = static_cast<Eigen::Index>(shortest_s(law.extent) / target.dt_s);
+  const auto shortest = static_cast<Eigen::Index>(shortest_s(law.extent) / target.rows.step_s);
   Window window = c.window;
   for (int step = 0; step < kEdgeSteps; ++step) {
     const Window moved = moved_edges(target, explained, everywhere, window, noise);

@@ -211,7 +211,7 @@ Target make_target(const Signals& s, Sensor sensor) {
   t.nuisance.col(0).setOnes();
   t.nuisance.rightCols<3>() = s.vector[sensor];
   t.duration_s = s.duration_s();
-  t.dt_s = s.dt_s;
+  t.rows = s.rows;
   return t;
 }
 

@@ -38,7 +38,7 @@ struct Target {
   Eigen::MatrixXd nuisance;  ///< n x 4: one and the true vector; each axis has its own four coefficients
   Eigen::MatrixXd walk;      ///< n x K cosines of a random walk on the recording's length; empty: not allowed
   double duration_s = 0.0;
-  double dt_s = 0.0;
+  RowTimes rows;
 };
 
 [[nodiscard]] Target make_target(const Signals& s, Sensor sensor);

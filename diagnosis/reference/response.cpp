@@ -23,9 +23,7 @@ Eigen::Index smooth_length(Eigen::Index at_least) {
 
 Complex laplace(double frequency_Hz) { return {0.0, 2.0 * std::numbers::pi * frequency_Hz}; }
 
-}  // namespace
-
-Series3 apply_response(const Series3& x, double dt_s, const Response& gain) {
+Series3 on_even_rows(const Series3& x, double dt_s, const Response& gain) {
   const Eigen::Index n = x.rows();
   const Eigen::Index half = smooth_length(n);
   const Eigen::Index length = 2 * half;
@@ -52,6 +50,17 @@ Series3 apply_response(const Series3& x, double dt_s, const Response& gain) {
   return out;
 }
 
+}  // namespace
+
+Series3 apply_response(const Series3& x, const RowTimes& rows, const Response& gain) {
+  if (rows.even()) return on_even_rows(x, rows.step_s, gain);
+  const double start_s = rows.at(0), steps = std::ceil((rows.at(x.rows() - 1) - start_s) / rows.step_s);
+  const RowTimes even{rows.step_s, {}};
+  const Series grid_s = Series::LinSpaced(static_cast<Eigen::Index>(steps) + 1, 0.0, steps * rows.step_s);
+  const Series3 through = on_even_rows(at_times(x, rows, grid_s.array() + start_s, kStencilReach), rows.step_s, gain);
+  return at_times(through, even, rows.t_s.array() - start_s, kStencilReach);
+}
+
 Response low_pass(double pass_Hz) {
   return [pass_Hz](double f) -> Complex {
     if (f <= pass_Hz) return 1.0;
@@ -62,8 +71,8 @@ Response low_pass(double pass_Hz) {
 
 Series3 fast_power(const Series3& f, double dt_s, double above_Hz) {
   const Response low = low_pass(above_Hz / 1.5);
-  const Series3 fast = apply_response(f, dt_s, [&](double x) { return 1.0 - low(x); });
-  return apply_response(fast.cwiseAbs2(), dt_s, low_pass(1.0)).cwiseMax(0.0);
+  const Series3 fast = on_even_rows(f, dt_s, [&](double x) { return 1.0 - low(x); });
+  return on_even_rows(fast.cwiseAbs2(), dt_s, low_pass(1.0)).cwiseMax(0.0);
 }
 
 Series3 rectified_power(const Series3& f, double dt_s, double average_s) {

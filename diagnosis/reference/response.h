@@ -11,8 +11,9 @@ namespace stillpoint::diag {
 /// Complex gain at s = j 2 pi f, f in Hz.
 using Response = std::function<std::complex<double>(double frequency_Hz)>;
 
-/// The series, continued at both ends by its mirror image, through the filter.
-[[nodiscard]] Series3 apply_response(const Series3& x, double dt_s, const Response& gain);
+/// The series, continued at both ends by its mirror image, through the filter; by way of an even grid where its rows
+/// are not even.
+[[nodiscard]] Series3 apply_response(const Series3& x, const RowTimes& rows, const Response& gain);
 
 /// Zero-phase low-pass with a raised-cosine edge between `pass_Hz` and 1.5 `pass_Hz`.
 [[nodiscard]] Response low_pass(double pass_Hz);

@@ -38,7 +38,7 @@ Columns in_window(Columns columns, const Window& window) {
 
 Scan::Scan(const Target& target, const Columns& explained, const NoiseModel& noise) : target_(target), noise_(noise) {
   const Eigen::Index n = target.layout.n;
-  block_ = std::max<Eigen::Index>(1, static_cast<Eigen::Index>(std::lround(kBlock_s / target.dt_s)));
+  block_ = std::max<Eigen::Index>(1, static_cast<Eigen::Index>(std::lround(kBlock_s / target.rows.step_s)));
   blocks_ = (n + block_ - 1) / block_;
   own_ = target.nuisance.cols() + target.walk.cols();
   shared_ = static_cast<Eigen::Index>(explained.size());

@@ -136,8 +136,8 @@ NoiseModel scan_noise(const Target& target, const Columns& explained, const Eige
   // vector.
   Columns flexible = explained;
   const Eigen::MatrixXd v = target.nuisance.rightCols(3);
-  const Series3 rate = derivative(v, target.dt_s);
-  const Series3 second = second_derivative(v, target.dt_s);
+  const Series3 rate = derivative(v, target.rows);
+  const Series3 second = second_derivative(v, target.rows);
   for (int axis = 0; axis < 3; ++axis) {
     for (Eigen::Index k = 0; k < std::min<Eigen::Index>(walk.cols(), 16); ++k) flexible.push_back({axis, walk.col(k)});
     for (int i = 0; i < 3; ++i) {

@@ -1,13 +1,10 @@
 #include "diagnosis/reference/signals.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
 
-#include "core/so3.h"
 #include "diagnosis/reference/band_limit.h"
-#include "diagnosis/reference/decimals.h"
+#include "diagnosis/reference/prediction.h"
 #include "diagnosis/reference/response.h"
 #include "diagnosis/reference/rest.h"
 #include "diagnosis/sanity/readings.h"
@@ -15,118 +12,16 @@
 namespace stillpoint::diag {
 namespace {
 
-constexpr double kExactJitter_rad = 2e-6;  // a reference quieter than this is arithmetic, not a camera
 constexpr double kMotionOverNoise =
     60.0;  // power; the noise in a driver then costs a candidate less than it costs to be named
-constexpr double kSeenOverNoise = 0.05;  // an error of the reference that a sensor of this noise would show
 constexpr double kVibration_Hz = 15.0;
 constexpr double kEnds_s = 0.6;  // where differences are one-sided and filters lean on the mirror image
-
-Eigen::Matrix<double, Eigen::Dynamic, 4> orientation_of(const io::Recording& recording) {
-  const auto n = static_cast<Eigen::Index>(recording.size());
-  Eigen::Matrix<double, Eigen::Dynamic, 4> q(n, 4);
-  Eigen::Vector4d last(1, 0, 0, 0);
-  std::vector<Eigen::Vector4d> continuous = recording.ref_q_world_body;
-  for (auto& value : continuous) {
-    if (!value.allFinite() || value.norm() < 0.5) {
-      value.setConstant(io::kMissing);
-      continue;
-    }
-    value.normalize();
-    if (value.dot(last) < 0) value = -value;  // q and -q are one rotation; differences need one branch
-    last = value;
-  }
-  for (int c = 0; c < 4; ++c)
-    q.col(c) = filled(n, [&](Eigen::Index i) { return continuous[static_cast<std::size_t>(i)][c]; });
-  return q;
-}
-
-/// omega = 2 q* dq/dt, exact for any rotation; differences of logarithms would miss the coning part.
-Series3 rate_from(const Eigen::Matrix<double, Eigen::Dynamic, 4>& q, double dt_s) {
-  Series3 vector_part = q.rightCols<3>();
-  Series3 scalar_part = Series3::Zero(q.rows(), 3);
-  scalar_part.col(0) = q.col(0);
-  const Series3 dv = derivative(vector_part, dt_s), dw = derivative(scalar_part, dt_s);
-  Series3 rate(q.rows(), 3);
-  for (Eigen::Index i = 0; i < q.rows(); ++i) {
-    const Vec3 v = q.row(i).tail<3>(), d = dv.row(i);
-    rate.row(i) = 2.0 * (q(i, 0) * d - dw(i, 0) * v - v.cross(d));
-  }
-  return rate;
-}
-
-double rest_jitter(const Signals& s, const Series3& rate) {
-  double sum = 0.0;
-  Eigen::Index count = 0;
-  for (Eigen::Index i = 0; i < s.n; ++i) {
-    if (!s.rest[static_cast<std::size_t>(i)]) continue;
-    sum += rate.row(i).squaredNorm() / 3.0;
-    ++count;
-  }
-  return count == 0 ? -1.0 : std::sqrt(sum / static_cast<double>(count));
-}
-
-/// The same without a rest: what eighth differences show is noise, motion leaves a millionth of itself in them.
-double jitter_without_rest(const Eigen::Matrix<double, Eigen::Dynamic, 4>& q) {
-  constexpr int kTimes = 8;
-  constexpr double kGain = 113.4;  // of white noise: the root of the sum of the squared binomials of 8
-  constexpr double kMedianOverSd = 0.6745;
-  Eigen::MatrixXd d = q.rightCols<3>();
-  for (int k = 0; k < kTimes && d.rows() > 1; ++k) d = (d.bottomRows(d.rows() - 1) - d.topRows(d.rows() - 1)).eval();
-  return 2.0 * quantile(d.cwiseAbs().rowwise().mean(), 0.5) / (kGain * kMedianOverSd);
-}
 
 void mute_ends(Mask& mask, Eigen::Index n, Eigen::Index ends) {
   for (Eigen::Index i = 0; i < std::min(ends, n); ++i) {
     mask[static_cast<std::size_t>(i)] = 1;
     mask[static_cast<std::size_t>(n - 1 - i)] = 1;
   }
-}
-
-/// Where the reference was lost, and beside it as far as its differences reach, nothing can be compared.
-void mute_lost_reference(Signals& s, const io::Recording& recording) {
-  constexpr std::ptrdiff_t kReach = kStencilReach + 1;
-  const auto n = static_cast<std::ptrdiff_t>(s.n);
-  std::ptrdiff_t until = 0;
-  for (std::ptrdiff_t i = 0; i < n; ++i) {
-    const auto at = static_cast<std::size_t>(i);
-    const bool there =
-        recording.ref_q_world_body[at].allFinite() && (!s.has_position || recording.ref_position_m[at].allFinite());
-    if (there) continue;
-    for (std::ptrdiff_t k = std::max(until, i - kReach); k <= std::min(i + kReach, n - 1); ++k)
-      for (Mask& muted : s.muted)
-        if (!muted.empty()) muted[static_cast<std::size_t>(k)] = 1;
-    until = i + kReach + 1;
-  }
-}
-
-/// A vibration near half the rate of the reference cannot be differentiated: where what is left of the error reaches
-/// the sensor's noise, nothing can be compared. A noisy reference carries its noise there, and no error is seen.
-void mute_unresolved(Signals& s, const std::array<Series, 2>& error) {
-  for (const Sensor k : {kAcc, kGyr}) {
-    if (!s.present[k] || error[k].size() == 0) continue;
-    const Series near = moving_mean(error[k].cwiseAbs2(), kStencilReach).cwiseSqrt();
-    Eigen::Index count = 0;
-    for (Eigen::Index i = 0; i < s.n; ++i)
-      if (std::uint8_t& muted = s.muted[k][static_cast<std::size_t>(i)];
-          near[i] > kSeenOverNoise * s.noise_sd[k] && !muted)
-        muted = 1, ++count;
-    const double share = static_cast<double>(count) / static_cast<double>(s.n);
-    if (share < 0.005) continue;
-    s.present[k] = share < 0.9;
-    s.notices.push_back(fmt::format(
-        "{}: in {:.0f} % of the rows the body vibrates too fast for a reference of {:.0f} rows a second; {}. Record "
-        "the "
-        "reference at four times the frequency of the vibration, or more",
-        kSensorName[k], 100.0 * share, 1.0 / s.dt_s, s.present[k] ? "they are left out" : "the sensor is left out"));
-  }
-}
-
-/// A reference of few decimals is a noisy one, although it is perfectly still at rest.
-bool rounding_shows(const Signals& s, const io::Recording& recording) {
-  const RoundingNoise noise = rounding_noise(recording, s.dt_s);
-  return (s.present[kGyr] && noise.rate_radps > kSeenOverNoise * s.noise_sd[kGyr]) ||
-         (s.present[kAcc] && noise.acceleration_mps2 > kSeenOverNoise * s.noise_sd[kAcc]);
 }
 
 void read_triads(Signals& s, const io::Recording& recording, const sim::SimulationConfig& simulation,
@@ -174,45 +69,6 @@ void read_drivers(Signals& s, const io::Recording& recording) {
   s.voltage_V = read(recording.supply_V, 0.0);
 }
 
-void predict(Signals& s, const io::Recording& recording) {
-  const auto q = orientation_of(recording);
-  Series3 rate = rate_from(q, s.dt_s);
-  Series3 acceleration = Series3::Zero(s.n, 3), velocity;
-  if (s.has_position) {
-    const Series3 p = filled3(recording.ref_position_m);
-    s.position_m = p.rowwise() - p.colwise().mean();
-    velocity = derivative(p, s.dt_s);
-    acceleration = second_derivative(p, s.dt_s);
-  }
-  const double own_jitter = jitter_without_rest(q);
-  wake_where_reference_moves(s.rest, rate, velocity, s.dt_s, own_jitter < kExactJitter_rad);
-  const double jitter = rest_jitter(s, rate);
-  s.has_rest = jitter >= 0.0;
-  s.reference_jitter_rad = s.has_rest ? jitter * s.dt_s : own_jitter;
-  s.exact_reference = s.reference_jitter_rad < kExactJitter_rad && !rounding_shows(s, recording);
-  if (s.exact_reference)
-    mute_unresolved(s, {s.has_position ? second_derivative_error(filled3(recording.ref_position_m), s.dt_s) : Series(),
-                        2.0 * derivative_error(q.rightCols<3>(), s.dt_s)});
-  for (auto& axis : s.world_axis) axis.resize(s.n, 3);
-  for (Eigen::Index i = 0; i < s.n; ++i) {
-    if (s.rest[static_cast<std::size_t>(i)]) {  // nothing moves at rest: what the reference shows there is its noise
-      rate.row(i).setZero();
-      acceleration.row(i).setZero();
-    }
-    const Mat3 R = Quat(q(i, 0), q(i, 1), q(i, 2), q(i, 3)).normalized().toRotationMatrix();
-    for (int a = 0; a < 3; ++a) s.world_axis[static_cast<std::size_t>(a)].row(i) = R.row(a);
-  }
-  const auto to_body = [&](const Series3& world) {
-    Series3 body = Series3::Zero(s.n, 3);
-    for (int a = 0; a < 3; ++a) body += world.col(a).asDiagonal() * s.world_axis[static_cast<std::size_t>(a)];
-    return body;
-  };
-  acceleration.col(2).array() += s.gravity_mps2;
-  s.predicted[kAcc] = to_body(acceleration);
-  s.predicted[kGyr] = rate;
-  s.predicted[kMag] = to_body(s.field_world_uT.transpose().replicate(s.n, 1));
-}
-
 /// At rest nothing moves: there the vector is one value a rest, or the sensor's own noise would stand in residual and
 /// driver alike.
 void hold_at_rest(Signals& s) {
@@ -233,7 +89,7 @@ void hold_at_rest(Signals& s) {
 void choose_vectors(Signals& s) {
   const double highest = std::min(kMotionBand_Hz, 0.2 / s.dt_s);
   const auto limited = [&](const Series3& x) {
-    return apply_response(x, s.dt_s, low_pass(motion_band_hz(x, s.rest, s.dt_s, kMotionOverNoise, 1.5, highest)));
+    return apply_response(x, s.rows, low_pass(motion_band_hz(x, s.rest, s.dt_s, kMotionOverNoise, 1.5, highest)));
   };
   if (!s.exact_reference) {
     for (Series3& axis : s.world_axis) axis = limited(axis);
@@ -252,7 +108,7 @@ void choose_vectors(Signals& s) {
     for (int a = 0; a < 3; ++a) s.vector[kMag] += s.field_world_uT[a] * s.world_axis[static_cast<std::size_t>(a)];
   }
   s.rate = s.vector[kGyr];
-  s.rate_dot = derivative(s.rate, s.dt_s);
+  s.rate_dot = derivative(s.rate, s.rows);
   for (Eigen::Index i = 0; i < s.n; ++i) {
     if (!s.rest[static_cast<std::size_t>(i)]) continue;
     s.rate.row(i).setZero();
@@ -266,7 +122,7 @@ Result<Signals> make_signals(const io::Recording& recording, const sim::Simulati
                              const std::array<Mask, kSensors>& muted) {
   Signals s;
   s.n = static_cast<Eigen::Index>(recording.size());
-  s.dt_s = even_step_s(recording);
+  s.dt_s = s.rows.step_s = even_step_s(recording);
   s.start_s = recording.t_s(0);
   s.t_s = Series(s.n);
   for (Eigen::Index i = 0; i < s.n; ++i) s.t_s[i] = recording.t_s(static_cast<std::size_t>(i)) - s.start_s;
@@ -283,7 +139,6 @@ Result<Signals> make_signals(const io::Recording& recording, const sim::Simulati
   s.has_orientation = !recording.ref_q_world_body.empty();
   s.has_position = !recording.ref_position_m.empty();
   if (!s.has_orientation) return s;
-  mute_lost_reference(s, recording);
   predict(s, recording);
   for (int k = 0; k < kSensors; ++k) {
     if (!s.present[k]) continue;

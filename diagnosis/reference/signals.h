@@ -1,5 +1,5 @@
 /// What a recording and a baseline simulation say about the same motion: the calibrated readings, what the reference
-/// predicts they should be, their difference, and the quantities that physics may be driven by. All on one even grid.
+/// predicts they should be, their difference, and the quantities that physics may be driven by. A row for every sample.
 #pragma once
 #include <Eigen/Core>
 #include <array>
@@ -22,7 +22,8 @@ inline constexpr std::array<const char*, 3> kAxisName{"x", "y", "z"};
 /// Everything that a hypothesis may use. Sensor frame unless said otherwise.
 struct Signals {
   Eigen::Index n = 0;
-  double dt_s = 0.0;
+  double dt_s = 0.0;     ///< from row to row, in the mean: rows.step_s
+  RowTimes rows;         ///< even or stamped, whichever the reference moves by
   double start_s = 0.0;  ///< time of the first sample, of the recording's own clock
   Series t_s;            ///< from the start of the recording
   bool has_orientation = false, has_position = false;

@@ -40,7 +40,8 @@ Mask merged(const Mask& mask, Eigen::Index factor) {
 Signals thinned(const Signals& s, Eigen::Index factor) {
   Signals out = s;
   out.n = s.n / factor;
-  out.dt_s = s.dt_s * static_cast<double>(factor);
+  out.dt_s = out.rows.step_s = s.dt_s * static_cast<double>(factor);
+  out.rows.t_s = means(s.rows.t_s, factor);
   out.t_s = means(s.t_s, factor);
   for (auto* group : {&out.reading, &out.predicted, &out.residual})
     for (std::size_t k = 0; k < group->size(); ++k) (*group)[k] = means_of_measured((*group)[k], s.muted[k], factor);

@@ -11,6 +11,7 @@ namespace {
 
 constexpr int kGaussNewtonSteps = 6;
 constexpr double kLikeness_s = 0.04;
+constexpr Eigen::Index kNeighbours = 3;
 constexpr std::size_t kStartsRefined = 2;
 
 /// What a sensor with this response shows beyond the truth. When the truth is the sensor itself (a noisy reference),
@@ -20,36 +21,16 @@ Series3 beyond_truth(const Signals& s, Sensor k, const Response& h) {
   const Response low = low_pass(0.33 / s.dt_s);  // zero at Nyquist, where the inverse of a response is lost
   const Response gain = from_truth ? Response([h](double f) { return h(f) - 1.0; })
                                    : Response([h, low](double f) { return (1.0 - 1.0 / h(f)) * low(f); });
-  return at_rest_zero(s, apply_response(s.vector[k], s.dt_s, gain));
-}
-
-/// x at other times, in samples, by Lagrange's polynomial through six neighbours; beyond the ends the end value.
-Series3 resampled(const Series3& x, const Series& at) {
-  constexpr int kPoints = 6;
-  Series3 out(at.size(), 3);
-  const Eigen::Index n = x.rows();
-  for (Eigen::Index i = 0; i < at.size(); ++i) {
-    const double position = std::clamp(at[i], 0.0, static_cast<double>(n - 1));
-    const Eigen::Index first =
-        std::clamp<Eigen::Index>(static_cast<Eigen::Index>(std::floor(position)) - 2, 0, n - kPoints);
-    Eigen::RowVector3d sum = Eigen::RowVector3d::Zero();
-    for (int j = 0; j < kPoints; ++j) {
-      double weight = 1.0;
-      for (int m = 0; m < kPoints; ++m)
-        if (m != j) weight *= (position - static_cast<double>(first + m)) / static_cast<double>(j - m);
-      sum += weight * x.row(first + j);
-    }
-    out.row(i) = sum;
-  }
-  return out;
+  return at_rest_zero(s, apply_response(s.vector[k], s.rows, gain));
 }
 
 /// u(t) = true(t (1 + epsilon)); when the truth is the sensor itself, the clock is set right instead.
 Series3 skewed(const Signals& s, Sensor k, double epsilon) {
   const bool from_truth = s.exact_reference || k == kMag;
   const double rate = from_truth ? 1.0 + epsilon : 1.0 / (1.0 + epsilon);
-  const Series at = rate * Series::LinSpaced(s.n, 0.0, static_cast<double>(s.n - 1));
-  const Series3 moved = resampled(s.vector[k], at);
+  const double last = static_cast<double>(s.n - 1);
+  const Series t_s = s.rows.even() ? Series::LinSpaced(s.n, 0.0, last * s.rows.step_s) : s.rows.t_s;
+  const Series3 moved = at_times(s.vector[k], s.rows, rate * t_s, kNeighbours);
   return at_rest_zero(s, from_truth ? Series3(moved - s.vector[k]) : Series3(s.vector[k] - moved));
 }
 

@@ -204,7 +204,7 @@ TEST(Response, DelaysASineByItsDelay) {
       x(i, a) = std::sin(w * static_cast<double>(i) * dt + a);
       expected(i, a) = std::sin(w * (static_cast<double>(i) * dt - tau) + a);
     }
-  const Series3 y = apply_response(x, dt, delay_response(tau));
+  const Series3 y = apply_response(x, RowTimes{dt, {}}, delay_response(tau));
   EXPECT_LT((y - expected).middleRows(200, 1600).cwiseAbs().maxCoeff(), 2e-3);  // the mirrored ends ring a little
 }
 

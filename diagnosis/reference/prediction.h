@@ -1,0 +1,12 @@
+/// What the reference says that the sensors should have read, and how well it can be known.
+#pragma once
+#include "diagnosis/reference/signals.h"
+
+namespace stillpoint::diag {
+
+/// Sets predicted, world_axis, position, rows and what is known of the reference's own noise; wakes rests through which
+/// it moves; mutes what cannot be compared: rows in which the reference was lost, and motion too fast for it.
+/// Pre: the readings and the rest are there, the recording has quaternions.
+void predict(Signals& s, const io::Recording& recording);
+
+}  // namespace stillpoint::diag
