@@ -1,9 +1,10 @@
 /// Diagnosis without a reference, on simulated hand motion with rests: what is put in must come out by name and size.
 #include "diagnosis/no_reference/no_reference.h"
 
-#include <gmock/gmock.h>
+#include <gtest/gtest.h>
 
 #include <cmath>
+#include <sstream>
 
 #include "diagnosis/prove/prove.h"
 #include "tests/diagnosis/simulated.h"
@@ -74,7 +75,7 @@ TEST(NoReference, NamesTheAsymmetryOfTheGyroscopeFromTheClosureOfItsTurns) {
   const auto d = diagnosed("gyr_asym", {{"k", k}}, 7);
   ASSERT_FALSE(d.findings.empty()) << d.summary;
   ASSERT_EQ(d.findings[0].effect, "gyr_asym");
-  expect_axes(d.findings[0], k, 3.5e-4);
+  expect_axes(d.findings[0], k, 3e-4);  // the widest axis over seeds 1 to 12: 2.2e-4 to 2.9e-4
 }
 
 TEST(NoReference, NamesTheCurvatureOfTheGyroscope) {
@@ -82,7 +83,7 @@ TEST(NoReference, NamesTheCurvatureOfTheGyroscope) {
   const auto d = diagnosed("gyr_cubic", {{"k3_per_radps_2", k}}, 8);
   ASSERT_FALSE(d.findings.empty()) << d.summary;
   ASSERT_EQ(d.findings[0].effect, "gyr_cubic");
-  expect_axes(d.findings[0], k, 4e-4);
+  expect_axes(d.findings[0], k, 4e-4);  // the widest axis over seeds 1 to 12: 1.1e-4 to 3.7e-4
 }
 
 /// So large that the attitude integrated with it, and everything judged by that attitude, is bent.
@@ -119,7 +120,16 @@ TEST(NoReference, ReportsAWrongOffsetAndMatrixOfTheGyroscopeAsConfiguration) {
   EXPECT_EQ(d.verdict, Verdict::kNoMismatch) << d.summary;
   ASSERT_EQ(d.configuration.size(), 2U);
   EXPECT_EQ(d.configuration[0].what.find("bias wrong by (0.08"), 0U) << d.configuration[0].what;
-  EXPECT_THAT(d.configuration[1].what, testing::ContainsRegex("in % = \\[-(1\\.9|2\\.0)[0-9], -?0\\.0"));
+  const std::string& matrix = d.configuration[1].what;
+  const std::string before = "D in % = [";
+  ASSERT_NE(matrix.find(before), std::string::npos) << matrix;
+  std::istringstream entries(matrix.substr(matrix.find(before) + before.size()));
+  double xx = 0.0, xy = 0.0;
+  char comma = 0;
+  entries >> xx >> comma >> xy;
+  // The sensor reads 1 / 1.02 of the truth. Within two standard deviations, as seeds 1 to 12 spread.
+  EXPECT_NEAR(xx, 100.0 * (1.0 / 1.02 - 1.0), 0.05) << matrix;
+  EXPECT_NEAR(xy, 0.0, 0.07) << matrix;
 }
 
 TEST(NoReference, AsksForRestWhereThereIsNone) {
