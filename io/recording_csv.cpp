@@ -88,51 +88,60 @@ class Parser {
     return read_columns(line);
   }
 
-  Result<void> read_columns(std::string_view line) {
+  /// What the columns of each group are so far.
+  struct Groups {
     std::array<std::size_t, kColumnGroups> seen{};
     std::array<std::string_view, kColumnGroups> unit;
-    std::string faults;
-    const auto add_fault = [&](std::size_t column, const std::string& what) {
-      faults += fmt::format("{}{}:{}:{}: {}", faults.empty() ? "" : "\n", name_, line_, column, what);
-    };
-    std::size_t start = 0;
-    while (start <= line.size()) {
-      const std::size_t end = std::min(line.find(',', start), line.size());
-      const std::string name(strip(line.substr(start, end - start)));
-      const auto known = known_column(name);
-      if (!known) {
-        columns_.push_back({});
-        out_.issues.unknown_columns.push_back(name);
-      } else {
-        if (std::find(names_.begin(), names_.end(), name) != names_.end())
-          add_fault(start + 1, fmt::format("column '{}' stands twice; remove one", name));
-        names_.push_back(name);
-        columns_.push_back({known->field, known->to_si});
-        const std::size_t group = known->group;
-        if (seen[group]++ > 0 && group != kTimeGroup && unit[group] != known->unit)
-          add_fault(start + 1, fmt::format("column '{}' is in {}, the axis before it in {}; one sensor has one unit",
-                                           name, known->unit, unit[group]));
-        unit[group] = known->unit;
-      }
-      start = end + 1;
+  };
+
+  Result<void> read_columns(std::string_view line) {
+    Groups groups;
+    for (std::size_t start = 0, end = 0; start <= line.size(); start = end + 1) {
+      end = std::min(line.find(',', start), line.size());
+      read_column(start + 1, std::string(strip(line.substr(start, end - start))), groups);
     }
-    if (seen[kTimeGroup] == 0) add_fault(1, "no time column; expected one of time_s, time_ms, time_us, time_ns");
-    if (seen[kTimeGroup] > 1) add_fault(1, "more than one time column; keep one");
+    check_groups(line, groups);
+    if (!header_faults_.empty()) return fail(ErrorKind::kBadData, header_faults_);
+    for (std::size_t g = 0; g < kColumnGroups; ++g) present_[g] = groups.seen[g] > 0;
+    out_.acc_in_counts = groups.unit[kAccGroup] == "counts";
+    out_.gyr_in_counts = groups.unit[kGyrGroup] == "counts";
+    out_.mag_in_counts = groups.unit[kMagGroup] == "counts";
+    return {};
+  }
+
+  void header_fault(std::size_t column, const std::string& what) {
+    header_faults_ += fmt::format("{}{}:{}:{}: {}", header_faults_.empty() ? "" : "\n", name_, line_, column, what);
+  }
+
+  void read_column(std::size_t at, const std::string& name, Groups& groups) {
+    const auto known = known_column(name);
+    if (!known) {
+      columns_.push_back({});
+      out_.issues.unknown_columns.push_back(name);
+      return;
+    }
+    if (std::find(names_.begin(), names_.end(), name) != names_.end())
+      header_fault(at, fmt::format("column '{}' stands twice; remove one", name));
+    names_.push_back(name);
+    columns_.push_back({known->field, known->to_si});
+    std::string_view& unit = groups.unit[known->group];
+    if (groups.seen[known->group]++ > 0 && known->group != kTimeGroup && unit != known->unit)
+      header_fault(at, fmt::format("column '{}' is in {}, the axis before it in {}; one sensor has one unit", name,
+                                   known->unit, unit));
+    unit = known->unit;
+  }
+
+  void check_groups(std::string_view line, const Groups& groups) {
+    const auto& seen = groups.seen;
+    if (seen[kTimeGroup] == 0) header_fault(1, "no time column; expected one of time_s, time_ms, time_us, time_ns");
+    if (seen[kTimeGroup] > 1) header_fault(1, "more than one time column; keep one");
     for (std::size_t g = kAccGroup; g < kColumnGroups; ++g)
       if (const auto& group = kColumnGroupInfo[g]; seen[g] != 0 && seen[g] != group.size)
-        add_fault(1, fmt::format("only {} of the {} columns {}; all or none", seen[g], group.size, group.names));
-    if (seen[kAccGroup] + seen[kGyrGroup] + seen[kMagGroup] == 0)
-      add_fault(1, "no sensor columns; expected acc_x_mps2, gyr_x_radps or mag_x_uT and their axes");
-    const bool strange = line.find('\r') != std::string_view::npos || seen[kTimeGroup] == 0 ||
-                         seen[kAccGroup] + seen[kGyrGroup] + seen[kMagGroup] == 0;
-    if (const std::string mistake = strange ? likely_mistake(line) : std::string(); !mistake.empty())
-      add_fault(1, mistake);
-    if (!faults.empty()) return fail(ErrorKind::kBadData, faults);
-    for (std::size_t g = 0; g < kColumnGroups; ++g) present_[g] = seen[g] > 0;
-    out_.acc_in_counts = unit[kAccGroup] == "counts";
-    out_.gyr_in_counts = unit[kGyrGroup] == "counts";
-    out_.mag_in_counts = unit[kMagGroup] == "counts";
-    return {};
+        header_fault(1, fmt::format("only {} of the {} columns {}; all or none", seen[g], group.size, group.names));
+    const bool no_sensor = seen[kAccGroup] + seen[kGyrGroup] + seen[kMagGroup] == 0;
+    if (no_sensor) header_fault(1, "no sensor columns; expected acc_x_mps2, gyr_x_radps or mag_x_uT and their axes");
+    if (line.find('\r') == std::string_view::npos && seen[kTimeGroup] > 0 && !no_sensor) return;
+    if (const std::string mistake = likely_mistake(line); !mistake.empty()) header_fault(1, mistake);
   }
 
   void malformed(std::size_t column, const std::string& what) {
@@ -264,6 +273,7 @@ class Parser {
   std::size_t line_ = 0;
   std::vector<Column> columns_;
   std::vector<std::string> names_;
+  std::string header_faults_;
   std::array<bool, kColumnGroups> present_{};
   std::vector<std::size_t> lines_;
   RecordingRow row_{}, last_row_{};

@@ -1,8 +1,8 @@
 #include "io/simulation_yaml.h"
-#include "io/quote.h"
 
 #include <algorithm>
 
+#include "io/quote.h"
 #include "simulation/effect_catalogue.h"
 
 namespace stillpoint::io {
@@ -82,10 +82,7 @@ void read_environment(const YAML::Node& node, SimulationConfig& c, bool gravity_
 Result<SimulationConfig> read_root(const YAML::Node& root, const std::string& name) {
   YamlFaults faults(name);
   SimulationConfig c;
-  refuse_unknown_keys(root,
-                      {"rate_hz", "gravity_mps2", "field_world_uT", "accelerometer", "gyroscope", "magnetometer",
-                       "effects", "motion", "environment", "timing", "reference"},
-                      faults);
+  refuse_unknown_keys(root, simulation_keys(), faults);
   if (const YAML::Node n = root["rate_hz"]) read_value(n, c.rate_hz, in_range(0.1, 1e5), "rate_hz", faults);
   if (const YAML::Node n = root["gravity_mps2"])
     read_value(n, c.gravity_mps2, in_range(0.1, 100.0), "gravity_mps2", faults);
@@ -118,6 +115,12 @@ Result<SimulationConfig> read_root(const YAML::Node& root, const std::string& na
 }
 
 }  // namespace
+
+const std::vector<std::string>& simulation_keys() {
+  static const Names keys{"rate_hz", "gravity_mps2", "field_world_uT", "accelerometer", "gyroscope", "magnetometer",
+                          "effects", "motion",       "environment",    "timing",        "reference"};
+  return keys;
+}
 
 Result<SimulationConfig> read_simulation(const std::string& path) {
   const auto root = load_yaml(path);

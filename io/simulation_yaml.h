@@ -1,6 +1,7 @@
 /// Simulation YAML (docs/formats.md) to sim::SimulationConfig and back.
 #pragma once
 #include <string>
+#include <vector>
 
 #include "core/result.h"
 #include "io/yaml.h"
@@ -13,6 +14,9 @@ namespace stillpoint::io {
 /// Exit codes 66 (no file), 78.
 [[nodiscard]] Result<sim::SimulationConfig> read_simulation(const std::string& path);
 [[nodiscard]] Result<sim::SimulationConfig> parse_simulation(const std::string& text, const std::string& name);
+
+/// The keys of its top level.
+[[nodiscard]] const std::vector<std::string>& simulation_keys();
 
 /// One entry of an `effects:` or `compensate:` list: {effect: ID, parameters..., axes: [x],
 /// sensors: [acc], window_s: [a, b]}.

@@ -21,9 +21,7 @@ bool looks_like_simulation(const YAML::Node& root) {
   int votes = 0;
   const auto vote = [&](const auto&... f) { ((votes -= root[std::string(f.name)] ? 1 : 0), ...); };
   std::apply(vote, io::DaemonConfig::fields());
-  for (const char* key : {"rate_hz", "gravity_mps2", "field_world_uT", "accelerometer", "gyroscope", "magnetometer",
-                          "effects", "motion", "environment"})
-    votes += root[key] ? 1 : 0;
+  for (const std::string& key : io::simulation_keys()) votes += root[key] ? 1 : 0;
   return votes > 0;
 }
 
