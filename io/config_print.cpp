@@ -44,7 +44,7 @@ void print_one(std::string& out, std::string_view name, std::string_view help, c
                int depth) {
   const std::string indent(static_cast<std::size_t>(2 * depth), ' ');
   if constexpr (HasFields<T>) {
-    out += fmt::format("{}{}:{}# {}\n", indent, name, "  ", help);
+    out += fmt::format("{}{}:  # {}\n", indent, name, help);
     print(out, value, by_default, depth + 1);
   } else {
     const std::string text = value_text(value);

@@ -19,9 +19,8 @@
 
 #ifdef __SANITIZE_ADDRESS__
 // libfastrtps 2.9.1 deletes its StatisticsWriterImpl through a base of another size; AddressSanitizer would end there.
-extern "C" const char* __asan_default_options() {
-  return "new_delete_type_mismatch=0";
-}  // NOLINT(bugprone-reserved-identifier)
+// NOLINTNEXTLINE(bugprone-reserved-identifier)
+extern "C" const char* __asan_default_options() { return "new_delete_type_mismatch=0"; }
 #endif
 
 namespace stillpoint::io {

@@ -5,11 +5,10 @@
 #include <algorithm>
 #include <cctype>
 
+#include "core/units.h"
+
 namespace stillpoint::io {
 namespace {
-
-constexpr double kG = 9.80665;
-constexpr double kDeg = 0.017453292519943295;
 
 /// `part` is what stands between the group's stem and its unit, or the whole name where there is no unit.
 struct Family {
@@ -27,10 +26,10 @@ constexpr std::array<Family, 20> kFamilies{{
     {kTimeGroup, "time_", {""}, "us", 1e3},
     {kTimeGroup, "time_", {""}, "ns", 1.0},
     {kAccGroup, "acc_", kAxes, "mps2", 1.0},
-    {kAccGroup, "acc_", kAxes, "g", kG},
+    {kAccGroup, "acc_", kAxes, "g", kStandardGravity_mps2},
     {kAccGroup, "acc_", kAxes, "counts", 1.0},
     {kGyrGroup, "gyr_", kAxes, "radps", 1.0},
-    {kGyrGroup, "gyr_", kAxes, "dps", kDeg},
+    {kGyrGroup, "gyr_", kAxes, "dps", kRadPerDeg},
     {kGyrGroup, "gyr_", kAxes, "counts", 1.0},
     {kMagGroup, "mag_", kAxes, "uT", 1.0},
     {kMagGroup, "mag_", kAxes, "gauss", 100.0},
