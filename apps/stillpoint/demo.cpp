@@ -127,17 +127,15 @@ void print_result(const DemoOptions& options, const DemoStage& stage, const Atti
                   const AttitudeScore& without, const WatchState& state) {
   fmt::print(
       "\nattitude error without self-calibration {:.1f} deg, with {:.2f} deg (rms over the second half; heading "
-      "{:.2f}, "
-      "inclination {:.2f}; seed {})\n",
+      "{:.2f}, inclination {:.2f}; seed {})\n",
       without.total_rad() * kDegPerRad, with.total_rad() * kDegPerRad, with.heading_rad() * kDegPerRad,
       with.inclination_rad() * kDegPerRad, options.seed);
   fmt::print(
-      "received {} attitudes over DDS, lost {}\nrecording {}/recording.csv\n\nnow try\n"
-      "  stillpoint diagnose --simulation {}/simulation_without_effects.yaml --recording {}/recording.csv\n"
-      "  stillpoint calibrate --recording {}/recording.csv\n"
-      "  stillpointd --config {}/stillpointd.yaml   and in another terminal   stillpoint watch --domain {}\n",
-      state.received, state.lost, options.folder, options.folder, options.folder, options.folder, options.folder,
-      stage.dds.domain);
+      "received {0} attitudes over DDS, lost {1}\nrecording {2}/recording.csv\n\nnow try\n"
+      "  stillpoint diagnose --simulation {2}/simulation_without_effects.yaml --recording {2}/recording.csv\n"
+      "  stillpoint calibrate --recording {2}/recording.csv\n"
+      "  stillpointd --config {2}/stillpointd.yaml   and in another terminal   stillpoint watch --domain {3}\n",
+      state.received, state.lost, options.folder, stage.dds.domain);
 }
 
 int demo(const DemoOptions& options) {

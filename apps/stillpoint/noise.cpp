@@ -111,8 +111,8 @@ int noise(const Options& options) {
                                                     options.recording, last - first)});
   const double seconds = static_cast<double>(last - first) * dt_s, rate_hz = 1.0 / dt_s;
   if (last - first < recording->size())
-    std::fprintf(stderr, "notice: the recording moves; only its longest rest, %.1f s to %.1f s, is used\n",
-                 recording->t_s(first) - recording->t_s(0), recording->t_s(last - 1) - recording->t_s(0));
+    tell(fmt::format("notice: the recording moves; only its longest rest, {:.1f} s to {:.1f} s, is used",
+                     recording->t_s(first) - recording->t_s(0), recording->t_s(last - 1) - recording->t_s(0)));
   const auto sensors = sensors_at_rest(*recording, first, last, seconds);
   if (sensors.empty())
     return report(
@@ -125,7 +125,7 @@ int noise(const Options& options) {
   const auto write = [](const std::string& path, const std::string& text) {
     if (path.empty()) return 0;
     if (const auto done = io::write_text_file(path, text); !done) return report(done.error());
-    if (path != "-") std::fprintf(stderr, "wrote %s\n", path.c_str());
+    if (path != "-") tell("wrote " + path);
     return 0;
   };
   if (const int code = write(options.json.file(), json)) return code;

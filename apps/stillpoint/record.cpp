@@ -57,10 +57,8 @@ Result<void> append_all(const std::vector<RawSample>& batch, io::RecordingStream
 }
 
 void say_what_was_written(const RecordOptions& options, const io::RecordingStream& stream, const Written& written) {
-  std::fprintf(stderr, "%s: %llu rows, %.1f s, %llu lost on the way\n", options.output.c_str(),
-               static_cast<unsigned long long>(stream.rows()),
-               1e-9 * static_cast<double>(written.last.t_ns - written.first_ns),
-               static_cast<unsigned long long>(written.lost));
+  tell(fmt::format("{}: {} rows, {:.1f} s, {} lost on the way", options.output, stream.rows(),
+                   1e-9 * static_cast<double>(written.last.t_ns - written.first_ns), written.lost));
 }
 
 int record(const RecordOptions& options) {

@@ -61,8 +61,8 @@ int watch_live(const WatchOptions& options, const WatchModel& model, const io::D
     const WatchState state = model.state(now_ns);
     if (state.received == 0) {
       if (!told && now_ns - start_ns > 1'000'000'000) {
-        std::fprintf(stderr, "stillpoint: waiting: %s\n",
-                     nothing_arrives(options.dds, options.dds.attitude_topic, subscriber.publishers() > 0).c_str());
+        tell("stillpoint: waiting: " +
+             nothing_arrives(options.dds, options.dds.attitude_topic, subscriber.publishers() > 0));
         told = true;
       }
     } else {

@@ -21,8 +21,8 @@ struct WatchState {
   std::uint64_t restarts = 0;  ///< the sequence began anew
   double rate_hz = 0.0;        ///< over the last second
   double age_s = 0.0;          ///< since the last attitude
-  LatencyCounts
-      latency_counts{};  ///< arrival at the daemon to this process; publish to this process where that is unknown
+  /// Arrival at the daemon to this process; publish to this process where that is unknown.
+  LatencyCounts latency_counts{};
   std::int64_t latency_max_ns = 0;
 };
 
