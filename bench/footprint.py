@@ -4,6 +4,7 @@ and what a subscriber that listens all the while lost.
 
 `bench/footprint.py BUILD_FOLDER [--rate 1000] [--seconds 10] [--threads 'cpu_latency_us: 0'] [--json]`. The sensor is the simulated one of
 configs/sim_handheld.yaml at this rate; the figures include the simulator, which runs in the sensor thread.
+Without --threads the stages are timed a second time, for at most 10 s, with no processor asleep (`cpu_latency_us: 0`).
 A soak is the same command with more seconds: `--rate 4000 --seconds 1800`.
 """
 import argparse
@@ -143,6 +144,9 @@ def main():
         if not (args.build / name).exists():
             sys.exit(f"footprint: {args.build / name}: no such program; build it first")
     found = measure(args.build.resolve(), args.rate, args.seconds, args.threads)
+    if not args.threads and os.access("/dev/cpu_dma_latency", os.W_OK):
+        awake = measure(args.build.resolve(), args.rate, min(10.0, args.seconds), "cpu_latency_us: 0")
+        found["awake"] = {key: awake[key] for key in ("processing_us", "processor_share_of_one_core", "processor_share_by_thread")}
     if args.json:
         print(json.dumps(found, indent=2))
         return
@@ -152,10 +156,12 @@ def main():
     print(f"    after each tenth  {' '.join(str(mb) for mb in found['rss_course_MB'])}")
     heard = found["attitudes"]
     print(f"attitudes heard  {heard['received']}, lost {heard['lost']}, dropped in the daemon {heard['dropped']}")
-    print(f"stages, per sample  p50 {found['processing_us']['p50']:.2f} us, p99 {found['processing_us']['p99']:.2f} us")
-    print(f"processor at {args.rate:.0f} Hz  {100 * found['processor_share_of_one_core']:.1f} % of one core")
-    for name, share in found["processor_share_by_thread"].items():
-        print(f"    {name:<18}{100 * share:5.1f} %")
+    for run, when in ((found, ""), (found.get("awake"), ", no processor asleep")):
+        if run:
+            print(f"stages, per sample{when}  p50 {run['processing_us']['p50']:.2f} us, p99 {run['processing_us']['p99']:.2f} us")
+            print(f"processor at {args.rate:.0f} Hz{when}  {100 * run['processor_share_of_one_core']:.1f} % of one core")
+            for name, share in run["processor_share_by_thread"].items():
+                print(f"    {name:<18}{100 * share:5.1f} %")
     for name, size in found["stripped_MB"].items():
         print(f"{name}  {size:.2f} MB stripped")
 
