@@ -91,6 +91,13 @@ std::string wrapped(const std::string& text) {
   return out;
 }
 
+/// A wrong number of the simulation too, whatever else is missing: " The noise is not ..."; empty where it is right.
+std::string noise_told(const Diagnosis& d) {
+  std::vector<std::string> parts;
+  for (const auto& n : d.noise) parts.push_back(fmt::format("{} {:.1f} times", n.channel, n.measured / n.configured));
+  return parts.empty() ? "" : fmt::format(" The noise is not as configured: {}.", fmt::join(parts, ", "));
+}
+
 }  // namespace
 
 const char* verdict_word(Verdict verdict) {
@@ -110,11 +117,13 @@ const char* verdict_word(Verdict verdict) {
 }
 
 std::string summarise(const Diagnosis& d) {
+  const std::string noise = noise_told(d);
   if (d.findings.empty() && d.configuration.empty())
-    return "No mismatch. The simulation explains the recording within its noise.";
+    return noise.empty() ? "No mismatch. The simulation explains the recording within its noise."
+                         : "No missing physics." + noise;
   if (d.findings.empty())
     return "Wrong numbers, not missing physics: " + d.configuration.front().sensor + " " +
-           d.configuration.front().what + ".";
+           d.configuration.front().what + "." + noise;
   std::vector<std::string> parts;
   for (const Finding& f : d.findings) {
     std::string name = is_unknown(f) ? "an effect outside the catalogue driven by " + f.driver
@@ -122,7 +131,7 @@ std::string summarise(const Diagnosis& d) {
     for (const auto& e : f.equivalent) name += " or " + e;
     parts.push_back(name + (f.channels.empty() ? "" : fmt::format(" in {}", fmt::join(f.channels, ", "))));
   }
-  return fmt::format("Missing physics: {}.", fmt::join(parts, "; "));
+  return fmt::format("Missing physics: {}.", fmt::join(parts, "; ")) + noise;
 }
 
 std::string to_text(const Diagnosis& d) {

@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <sstream>
 
+#include "tests/diagnosis/simulated.h"
+
 namespace stillpoint::diag {
 namespace {
 
@@ -24,6 +26,19 @@ TEST(Summary, FitsEightyColumnsAndLosesNoWord) {
   joined.erase(std::unique(joined.begin(), joined.end(), [](char a, char b) { return a == ' ' && b == ' '; }),
                joined.end());
   for (const std::string& n : d.notices) EXPECT_THAT(joined, testing::HasSubstr(n));
+}
+
+TEST(Summary, SaysThatTheNoiseIsNotAsConfigured) {
+  const auto config = test::baseline("mocap", 60.0);
+  auto noisy = config;
+  noisy.gyroscope->noise_sd *= 3.0;
+  const Diagnosis d = diagnose(test::record(noisy, "", {}, 5), config).diagnosis;
+  EXPECT_TRUE(d.findings.empty());
+  EXPECT_EQ(d.verdict, Verdict::kNoMismatch);
+  EXPECT_THAT(d.summary,
+              testing::MatchesRegex("No missing physics. The noise is not as configured: gyr_x (2.9|3.0|3.1) times, "
+                                    "gyr_y (2.9|3.0|3.1) times, gyr_z (2.9|3.0|3.1) times."));
+  EXPECT_THAT(diagnose(test::record(config, "", {}, 5), config).diagnosis.summary, testing::StartsWith("No mismatch."));
 }
 
 }  // namespace
