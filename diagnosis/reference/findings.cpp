@@ -19,6 +19,7 @@ namespace stillpoint::diag {
 namespace {
 
 constexpr std::size_t kMostEquivalent = 2;
+constexpr double kLeftOver = 0.2;  // of the gain of the stronger effect
 
 std::string missing_drivers(const Signals& s, Sensor k) {
   std::vector<std::string> missing;
@@ -125,24 +126,12 @@ Finding finding_from(const Signals& s, const SensorSearch& search, std::size_t i
   return out;
 }
 
-/// Windows of one sensor in which effects act that do not last. Two or more are one cause that switches, not recorded;
-/// two effects in the same window came and went together. Beside a cause that lasts, and explains more, they are
-/// details.
-int locals(const SensorSearch& search) {
-  double lasting = 0.0;
-  for (const Found& f : search.found)
-    if (!f.window.local) lasting = std::max(lasting, f.gain_nats);
-  std::vector<Window> windows;
-  for (const Found& f : search.found) {
-    if (!f.window.local || f.kind == Kind::kTiming || f.gain_nats < lasting) continue;
-    const auto together = [&f](const Window& w) {
-      const auto both = std::min(w.end, f.window.end) - std::max(w.begin, f.window.begin);
-      const auto either = std::max(w.end, f.window.end) - std::min(w.begin, f.window.begin);
-      return 10 * both > 9 * either;
-    };
-    if (std::none_of(windows.begin(), windows.end(), together)) windows.push_back(f.window);
-  }
-  return static_cast<int>(windows.size());
+/// What a stronger effect leaves in its own window, or at its edges: no second event.
+bool left_of_another(const SensorSearch& search, const Found& f) {
+  return std::any_of(search.found.begin(), search.found.end(), [&f](const Found& other) {
+    const bool overlap = std::max(f.window.begin, other.window.begin) < std::min(f.window.end, other.window.end);
+    return other.window.local && overlap && f.gain_nats < kLeftOver * other.gain_nats;
+  });
 }
 
 bool holds(const SensorSearch& search, const std::string& part) {
@@ -206,6 +195,23 @@ sim::EffectConfig drift_effect(Sensor sensor, const Finished& finished) {
 }
 
 }  // namespace
+
+int locals(const SensorSearch& search) {
+  double lasting = 0.0;
+  for (const Found& f : search.found)
+    if (!f.window.local) lasting = std::max(lasting, f.gain_nats);
+  std::vector<Window> windows;
+  for (const Found& f : search.found) {
+    if (!f.window.local || f.kind == Kind::kTiming || f.gain_nats < lasting || left_of_another(search, f)) continue;
+    const auto together = [&f](const Window& w) {
+      const auto both = std::min(w.end, f.window.end) - std::max(w.begin, f.window.begin);
+      const auto either = std::max(w.end, f.window.end) - std::min(w.begin, f.window.begin);
+      return 10 * both > 9 * either;
+    };
+    if (std::none_of(windows.begin(), windows.end(), together)) windows.push_back(f.window);
+  }
+  return static_cast<int>(windows.size());
+}
 
 void report_sensor(const Signals& s, const EngineResult& engine, Sensor sensor,
                    const std::vector<sim::EffectConfig>& given, Answer& answer) {
