@@ -21,7 +21,11 @@ class Random {
   double uniform(double low, double high) { return low + (high - low) * uniform_(engine_); }
   Vec3 normal3(double sd = 1.0) { return {normal(sd), normal(sd), normal(sd)}; }
   Vec3 direction() { return normal3().normalized(); }
-  Quat rotation() { return Quat(normal(), normal(), normal(), normal()).normalized(); }
+  /// One draw a statement: in which order the arguments of a call are evaluated is the compiler's choice.
+  Quat rotation() {
+    const double z = normal(), y = normal(), x = normal(), w = normal();
+    return Quat(w, x, y, z).normalized();
+  }
 
  private:
   std::mt19937_64 engine_;
