@@ -34,13 +34,13 @@ void add_calibrate(CLI::App& app, Run& run) {
   static Arguments a;
   std::string names;
   for (const auto& m : calib::methods()) names += (names.empty() ? "" : ", ") + std::string(m.name);
-  auto* points = command->add_option("--points", a.points,
-                                     "CSV with columns x,y,z and optionally var, temp_degC; one static reading a line");
-  auto* recording = command->add_option("--recording", a.recording,
-                                        "recording (.csv): detect rest and run the online calibration over it");
+  auto* points = add_file(*command, "--points", a.points,
+                          "CSV with columns x,y,z and optionally var, temp_degC; one static reading a line");
+  auto* recording = add_file(*command, "--recording", a.recording,
+                             "recording (.csv): detect rest and run the online calibration over it");
   points->excludes(recording);
   a.json.add(*command, "write the result");
-  command->add_option("--state", a.state, "with --recording: what was learnt; read if it is there, written at the end")
+  add_file(*command, "--state", a.state, "with --recording: what was learnt; read if it is there, written at the end")
       ->needs(recording);
   command->add_option("--method", a.method, "with --points: " + names)->needs(points);
   const auto of_points = [&](const char* name, auto& value, const char* help) {

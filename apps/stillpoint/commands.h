@@ -43,14 +43,20 @@ inline CLI::Validator between(double low, double high) {
   return {refusal, fmt::format("{:g} - {:g}", low, high)};
 }
 
+constexpr auto kFileType = "FILE";  ///< what an option is called that names a file
+
+/// An option that names a file to read or to write. No two of a command may name the same one (64).
+inline CLI::Option* add_file(CLI::App& command, const std::string& option, std::string& file, const std::string& help) {
+  return command.add_option(option, file, help)->type_name(kFileType);
+}
+
 /// `--json [FILE]`: JSON into a file, or to standard output and nothing else there.
 class JsonOption {
  public:
   void add(CLI::App& command, const std::string& what) {
-    option_ =
-        command
-            .add_option("--json", name_, what + " as JSON into this file; without a name or with -: to standard output")
-            ->expected(0, 1);
+    option_ = add_file(command, "--json", name_,
+                       what + " as JSON into this file; without a name or with -: to standard output");
+    option_->expected(0, 1);
   }
   /// Empty when it was not given; "-" is standard output.
   [[nodiscard]] std::string file() const {

@@ -94,12 +94,12 @@ int run_diagnose(const Options& o) {
 void add_diagnose(CLI::App& app, Run& run) {
   auto* command = app.add_subcommand("diagnose", "Name the physics that a simulation left out of a recording");
   static Options o;
-  command->add_option("--simulation", o.simulation, "the baseline (YAML)")->required();
-  command->add_option("--recording", o.recording, "the recording to explain (CSV)")->required();
+  add_file(*command, "--simulation", o.simulation, "the baseline (YAML)")->required();
+  add_file(*command, "--recording", o.recording, "the recording to explain (CSV)")->required();
   o.json.add(*command, "write the answer");
-  command->add_option("--report", o.report, "write the report (HTML, one file)");
-  command->add_option("--improved", o.improved, "write the simulation with the found physics in it (YAML)");
-  command->add_option("--validate", o.validate, "judge the improved simulation on another recording (CSV)");
+  add_file(*command, "--report", o.report, "write the report (HTML, one file)");
+  add_file(*command, "--improved", o.improved, "write the simulation with the found physics in it (YAML)");
+  add_file(*command, "--validate", o.validate, "judge the improved simulation on another recording (CSV)");
   command
       ->add_option("--twins", o.twins,
                    "repeat the search on so many resimulations without what was found; state only what none of them "

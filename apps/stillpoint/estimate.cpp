@@ -168,9 +168,9 @@ int run_estimate(const Arguments& a) {
 void add_estimate(CLI::App& app, Run& run) {
   auto* command = app.add_subcommand("estimate", "The daemon's stages over a recording: attitude at every sample");
   static Arguments a;
-  command->add_option("--config", a.config, "the daemon's configuration; its source is not used")->required();
-  command->add_option("--recording", a.recording, "recording (.csv)")->required();
-  command->add_option("--output", a.output, "attitude (.csv); - is standard output")->required();
+  add_file(*command, "--config", a.config, "the daemon's configuration; its source is not used")->required();
+  add_file(*command, "--recording", a.recording, "recording (.csv)")->required();
+  add_file(*command, "--output", a.output, "attitude (.csv); - is standard output")->required();
   command->add_flag("--skip-malformed", a.skip_malformed, "count malformed rows instead of failing");
   a.json.add(*command, "write what was found");
   command->callback([&run] { run = [] { return run_estimate(a); }; });

@@ -17,21 +17,23 @@ bool is_command(const CLI::App& cli, const std::string& word) {
   return false;
 }
 
-/// Fails (64) when two options name one file: what is to be read would be overwritten.
+/// Fails (64) when two options name one file: what is to be read, or was just written, would be overwritten.
 stillpoint::Result<void> expect_files_apart(const CLI::App& command) {
   namespace fs = std::filesystem;
   std::vector<std::pair<std::string, fs::path>> named;
   for (const CLI::Option* option : command.get_options()) {
-    if (option->get_type_name() != "TEXT") continue;  // a number may be the name of a file by chance
+    if (option->get_type_name() != stillpoint::app::kFileType) continue;
     for (const std::string& value : option->results()) {
-      std::error_code refused;
-      if (!fs::is_regular_file(value, refused)) continue;  // nothing can be lost
-      for (const auto& [other, path] : named)
-        if (fs::equivalent(path, value, refused))
+      std::error_code unknown;
+      const bool no_file = fs::exists(value, unknown) && !fs::is_regular_file(value, unknown);  // such as /dev/null
+      if (value.empty() || value == "-" || no_file) continue;
+      const fs::path file = fs::weakly_canonical(fs::absolute(value, unknown), unknown);
+      for (const auto& [other, taken] : named)
+        if ((!file.empty() && file == taken) || fs::equivalent(file, taken, unknown))
           return stillpoint::fail(
               stillpoint::ErrorKind::kUsage,
               fmt::format("{} and {} name the same file, {}; give each its own", other, option->get_name(), value));
-      named.emplace_back(option->get_name(), value);
+      named.emplace_back(option->get_name(), file);
     }
   }
   return {};

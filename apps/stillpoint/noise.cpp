@@ -138,10 +138,10 @@ int noise(const Options& options) {
 void add_noise(CLI::App& app, Run& run) {
   auto* command = app.add_subcommand("noise", "Allan deviation and noise terms of a sensor at rest");
   static Options options;
-  command->add_option("--recording", options.recording, "recording of the sensor at rest (.csv)")->required();
+  add_file(*command, "--recording", options.recording, "recording of the sensor at rest (.csv)")->required();
   options.json.add(*command, "write the curves and terms");
-  command->add_option("--kalibr", options.kalibr, "write a Kalibr imu.yaml");
-  command->add_option("--figure", options.figure, "write the log-log figure (.svg)");
+  add_file(*command, "--kalibr", options.kalibr, "write a Kalibr imu.yaml");
+  add_file(*command, "--figure", options.figure, "write the log-log figure (.svg)");
   command->callback([&run] { run = [] { return noise(options); }; });
 }
 

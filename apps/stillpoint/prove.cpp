@@ -191,7 +191,7 @@ void add_prove(CLI::App& app, Run& run) {
   command->add_option("--only", o.only, "draw cases of this kind alone")->check(CLI::IsMember(diag::kinds_of_cases()));
   command->add_option("--folder", o.folder,
                       "take cases made elsewhere: FOLDER/cases/NNN.csv, NNN.yaml and FOLDER/truth/NNN.json");
-  command->add_option("--report", o.report, "write the tables, seals and truths as a page (.html)");
+  add_file(*command, "--report", o.report, "write the tables, seals and truths as a page (.html)");
   command->add_flag(
       "--limits", o.limits,
       "draw weak effects and measure from which size on they are found, against the test that knows the law");

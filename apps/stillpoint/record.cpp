@@ -107,7 +107,7 @@ void add_record(CLI::App& app, Run& run) {
   auto* command = app.add_subcommand("record", "Write what a running daemon's sensor gives into a recording");
   static RecordOptions options;
   add_dds_options(*command, options.dds);
-  command->add_option("--output", options.output, "recording to write (.csv); - is standard output")->required();
+  add_file(*command, "--output", options.output, "recording to write (.csv); - is standard output")->required();
   command->add_option("--seconds", options.seconds, "end after this time; otherwise on Ctrl-C")
       ->check(between(0.01, 1e9));
   command->add_option("--timeout", options.timeout_s, "how long to wait for the first reading, s")

@@ -125,11 +125,11 @@ int simulate(const Options& o) {
 void add_simulate(CLI::App& app, Run& run) {
   auto* command = app.add_subcommand("simulate", "Write the recording a simulated sensor would give");
   static Options o;
-  command->add_option("--simulation", o.simulation, "simulation YAML")->required();
-  command->add_option("--output", o.output, "recording to write (.csv); - is standard output")->required();
-  command->add_option("--truth", o.truth, "write what was applied, with the strength of each effect (.json)");
+  add_file(*command, "--simulation", o.simulation, "simulation YAML")->required();
+  add_file(*command, "--output", o.output, "recording to write (.csv); - is standard output")->required();
+  add_file(*command, "--truth", o.truth, "write what was applied, with the strength of each effect (.json)");
   command->add_option("--seed", o.seed, "seed of all random streams; 1 unless given")->check(between(0.0, 9e15));
-  command->add_option("--motion", o.motion, "take motion and surroundings from this recording's columns (.csv)");
+  add_file(*command, "--motion", o.motion, "take motion and surroundings from this recording's columns (.csv)");
   command->callback([&run] { run = [] { return simulate(o); }; });
 }
 

@@ -76,15 +76,16 @@ TEST_F(Commands, StandardOutputTakesOneFileAndNothingElse) {
   EXPECT_THAT(read_file(folder_ / "out"), StartsWith("{"));
 }
 
-TEST_F(Commands, WhatIsReadIsNotOverwritten) {
+TEST_F(Commands, WhatIsReadOrWrittenIsNotOverwritten) {
   write_simulation();
   ASSERT_EQ(tool("simulate --simulation sim.yaml --output rec.csv"), 0) << told_;
   write_file(folder_ / "config.yaml", "sensor: {id: a}\n");
   std::filesystem::create_symlink("rec.csv", folder_ / "link.csv");
   const std::string before = read_file(folder_ / "rec.csv");
-  for (const std::string command : {"simulate --simulation sim.yaml --motion rec.csv --output ./rec.csv",
-                                    "estimate --config config.yaml --recording rec.csv --output link.csv",
-                                    "noise --recording rec.csv --json rec.csv"}) {
+  for (const std::string command :
+       {"simulate --simulation sim.yaml --motion rec.csv --output ./rec.csv",
+        "estimate --config config.yaml --recording rec.csv --output link.csv",
+        "simulate --simulation sim.yaml --output new --truth ./new", "noise --recording rec.csv --json rec.csv"}) {
     EXPECT_EQ(tool(command), 64) << command;
     EXPECT_THAT(told_, HasSubstr("name the same file")) << command;
   }
