@@ -29,7 +29,7 @@ std::vector<bool> repeats(const io::Recording& r) {
 /// Those of them that were filled in: all where it often repeats itself while the body turns, else the stretches over
 /// which it did.
 std::vector<bool> filled_in(const io::Recording& r) {
-  const std::vector<bool> repeated = repeats(r);
+  std::vector<bool> repeated = repeats(r);
   const auto turns = [&r](std::size_t i) { return !r.gyr_radps.empty() && r.gyr_radps[i].norm() > kTurning_radps; };
   double turning = 0.0, held = 0.0;
   for (std::size_t i = 0; i < r.size(); ++i)
