@@ -98,7 +98,8 @@ void scale_to_d_prime(Draw& draw, sim::SimulationConfig& config, std::size_t whi
 /// A law that the catalogue does not have, put on the readings themselves.
 void add_novel(Draw& draw, io::Recording& r, const sim::SimulationConfig& config, CaseTruth& truth) {
   const std::size_t which = draw.bits() % 3;
-  const Vec3 k(draw.normal(), draw.normal(), draw.normal());
+  const double z = draw.normal(), y = draw.normal(), x = draw.normal();  // one after the other, by any compiler
+  const Vec3 k(x, y, z);
   std::vector<Vec3> delta(r.size());
   double square = 0.0;
   for (std::size_t i = 0; i < r.size(); ++i) {
