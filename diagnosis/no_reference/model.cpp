@@ -1,5 +1,6 @@
 #include "diagnosis/no_reference/model.h"
 
+#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 
@@ -22,6 +23,15 @@ Vec3 corrected(const Eigen::VectorXd& x, long at, const Vec3& u) {
   for (int i = 0; i < 3; ++i) d[i] += x.segment<3>(at + 3 * i).dot(u);
   return u - d;
 }
+
+/// The reading that `corrected` makes `c` of.
+struct Uncorrected {
+  Mat3 gain;
+  Vec3 offset;
+  Uncorrected(const Eigen::VectorXd& x, long at)
+      : gain((Mat3::Identity() - Eigen::Map<const RowMajor3>(x.data() + at)).inverse()), offset(x.segment<3>(at + 9)) {}
+  Vec3 operator()(const Vec3& c) const { return gain * (c + offset); }
+};
 
 std::vector<Vec3> integral(const std::vector<Vec3>& v, const std::vector<Mat3>& R, const io::Recording& r) {
   std::vector<Vec3> sum(v.size(), Vec3::Zero());
@@ -234,7 +244,10 @@ Eigen::MatrixXd SelfConsistency::nuisance_columns() const {
   const std::array<std::pair<Sensor, long>, 3> blocks{{{kGyr, kGyroAt}, {kAcc, kAccAt}, {kMag, kMagAt}}};
   std::vector<Vec3> unit(n);
   for (const auto& [sensor, at] : blocks) {
-    const auto& u = sensor == kGyr ? rate_ : sensor == kAcc ? force_ : field_;
+    const auto& value = sensor == kGyr ? rate_ : sensor == kAcc ? force_ : field_;
+    const Uncorrected reading(x_, at);
+    std::vector<Vec3> u(n);
+    for (std::size_t r = 0; r < n; ++r) u[r] = reading(value[r]);
     for (int i = 0; i < 3; ++i) {
       for (int j = 0; j < 4; ++j) {
         for (std::size_t r = 0; r < n; ++r) unit[r] = Vec3::Unit(i) * (j < 3 ? u[r][j] : 1.0);

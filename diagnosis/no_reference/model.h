@@ -49,7 +49,7 @@ class SelfConsistency {
   SelfConsistency(const io::Recording& recording, const sim::SimulationConfig& simulation, const Forensics& raw,
                   std::vector<RestWindow> rest);
 
-  /// Settles the nuisances (three Gauss-Newton passes). Call once, before fit().
+  /// Settles the nuisances (three to eight Gauss-Newton steps). Call once, before fit().
   void settle();
   /// `applied` is what of the law replace() has already taken out; the fit is of the whole.
   [[nodiscard]] LawFit fit(const std::vector<LawColumn>& law, const Eigen::VectorXd& applied = {}) const;

@@ -9,13 +9,15 @@ namespace {
 
 constexpr double kBlock_s =
     10.0;  // held-out blocks: longer than the memory of the noise, shorter than a bout and its rest
+constexpr int kLeastSteps = 3, kMostSteps = 8;
+constexpr double kSettled_nats = 0.1;  // a step worth less changes no verdict
 
 }  // namespace
 
 void SelfConsistency::settle() {
   prior_sd_.conservativeResize(x_.size());
   Eigen::VectorXd information;
-  for (int pass = 0; pass < 4; ++pass) {
+  for (int pass = 0;; ++pass) {
     integrate();
     predict();
     find_noise();
@@ -29,11 +31,14 @@ void SelfConsistency::settle() {
     Eigen::MatrixXd gram = N_.transpose() * N_;
     gram.diagonal() += information;
     gram_.compute(gram);
-    if (pass == 3) break;
-    x_ += gram_.solve(N_.transpose() * y_ - information.cwiseProduct(x_));
+    const Eigen::VectorXd gradient = N_.transpose() * y_ - information.cwiseProduct(x_);
+    const Eigen::VectorXd step = gram_.solve(gradient);
+    if (pass == kMostSteps || (pass >= kLeastSteps && 0.5 * step.dot(gradient) < kSettled_nats)) {
+      y_ -= N_ * step;  // what this step would still change is taken in the linear model
+      break;
+    }
+    x_ += step;
   }
-  // What the last step would still change is small; it is taken in the linear model.
-  y_ -= N_ * gram_.solve(N_.transpose() * y_ - information.cwiseProduct(x_));
   for (const auto& law : accepted_) add_nuisances(whitened(law));
 }
 

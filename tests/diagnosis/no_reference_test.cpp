@@ -3,7 +3,9 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
+#include <random>
 #include <sstream>
 
 #include "diagnosis/prove/prove.h"
@@ -130,6 +132,24 @@ TEST(NoReference, ReportsAWrongOffsetAndMatrixOfTheGyroscopeAsConfiguration) {
   // The sensor reads 1 / 1.02 of the truth. Within two standard deviations, as seeds 1 to 12 spread.
   EXPECT_NEAR(xx, 100.0 * (1.0 / 1.02 - 1.0), 0.05) << matrix;
   EXPECT_NEAR(xy, 0.0, 0.07) << matrix;
+}
+
+/// A matrix acts on the offset as well: about a wrong one its derivative is not that about the corrected reading.
+TEST(NoReference, SaysNothingOfRecordingsWithWrongNumbersEverywhere) {
+  for (const std::uint64_t seed : {25U, 30U, 31U}) {
+    std::mt19937_64 random(seed);
+    std::normal_distribution<double> normal;
+    auto truth = baseline();
+    const std::array<std::pair<sim::TriadConfig*, double>, 3> sensors{
+        {{&*truth.gyroscope, 0.05}, {&*truth.accelerometer, 0.3}, {&*truth.magnetometer, 15.0}}};
+    for (const auto& [sensor, offset_sd] : sensors) {
+      for (double& b : sensor->bias) b += offset_sd * normal(random);
+      for (double& h : sensor->matrix.reshaped()) h += 0.02 * normal(random);
+    }
+    const auto d = diagnose_without_reference(record(truth, seed), baseline());
+    EXPECT_EQ(d.verdict, Verdict::kNoMismatch) << seed << ": " << d.summary;
+    EXPECT_FALSE(d.configuration.empty()) << seed;
+  }
 }
 
 TEST(NoReference, AsksForRestWhereThereIsNone) {
