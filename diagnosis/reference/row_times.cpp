@@ -71,7 +71,8 @@ double roughness(const Eigen::MatrixXd& x, const RowTimes& rows) {
 
 RowTimes times_of_rows(const Series& stamp_s, double step_s, const Eigen::MatrixXd& turns,
                        const Eigen::MatrixXd& places) {
-  const RowTimes even{step_s, {}}, stamped{step_s, stamp_s};
+  RowTimes even{step_s, {}};
+  const RowTimes stamped{step_s, stamp_s};
   const Eigen::Index n = stamp_s.size();
   if (n < 3 || nearly_even(stamp_s) || (stamp_s.tail(n - 1) - stamp_s.head(n - 1)).minCoeff() < kShortestStep * step_s)
     return even;
