@@ -3,38 +3,17 @@
 #pragma once
 #include <array>
 #include <cstdint>
-#include <iterator>
 #include <limits>
 #include <string>
-#include <string_view>
 #include <type_traits>
 
+#include "core/attitude_status.h"
 #include "core/calibration.h"
+#include "core/health.h"
 #include "core/latency_histogram.h"
 #include "core/types.h"
 
 namespace stillpoint {
-
-enum class AttitudeStatus : std::uint8_t {
-  kInitializing,  ///< no attitude yet: identity quaternion, covariance of ignorance
-  kOk,
-  kDegraded,  ///< a sensor is clipped, disturbed, missing or late; the covariance says how much that costs
-  kStale,     ///< the source stopped; the last attitude, growing older
-};
-
-enum class HeadingReference : std::uint8_t { kRelative, kMagnetic, kTrue };
-
-/// "unknown" for a number from the wire that is none of these.
-[[nodiscard]] constexpr std::string_view name(AttitudeStatus status) noexcept {
-  constexpr std::string_view kNames[] = {"initializing", "ok", "degraded", "stale"};
-  const auto i = static_cast<std::size_t>(status);
-  return i < std::size(kNames) ? kNames[i] : "unknown";
-}
-[[nodiscard]] constexpr std::string_view name(HeadingReference reference) noexcept {
-  constexpr std::string_view kNames[] = {"relative", "magnetic", "true"};
-  const auto i = static_cast<std::size_t>(reference);
-  return i < std::size(kNames) ? kNames[i] : "unknown";
-}
 
 /// One attitude. Trivially copyable, so it crosses rings and cells.
 struct AttitudeMessage {
@@ -54,9 +33,15 @@ struct AttitudeMessage {
   bool at_rest = false;
   AttitudeStatus status = AttitudeStatus::kInitializing;
   HeadingReference heading_reference = HeadingReference::kRelative;
+  SensorsHealth health;
 };
 
 static_assert(std::is_trivially_copyable_v<AttitudeMessage>);
+
+/// Variances of the readings beside an attitude, row-major, in the axes of the message; all zeros: not known.
+struct ReadingCovariances {
+  Array9 acc_mps2_2{}, gyr_radps_2{}, mag_uT_2{};
+};
 
 /// The calibration in use, with the reasons in words. Slow thread only.
 struct CalibrationMessage {
@@ -76,13 +61,18 @@ struct DiagnosticsMessage {
   double longest_gap_s = 0.0;
   std::uint64_t dropped = 0;
   std::uint64_t clipped = 0;
-  std::uint64_t refused = 0;  ///< samples refused as not finite, repeated or out of order
+  std::uint64_t refused = 0;     ///< samples that were not used at all: empty, repeated or out of order
+  std::uint64_t not_finite = 0;  ///< readings taken out of their samples
   std::uint64_t write_failures = 0;
+  std::uint64_t datagrams_malformed = 0, datagrams_off_host = 0, datagrams_flooded = 0;  ///< kept from DDS
   double temp_degC = std::numeric_limits<double>::quiet_NaN();
   AttitudeStatus status = AttitudeStatus::kInitializing;
   HeadingReference heading_reference = HeadingReference::kRelative;
+  SensorsHealth health;
   std::string sensor_id;
   std::string message;       ///< one sentence for a person
+  std::string source;        ///< where the samples come from, in words
+  std::string missing;       ///< what the daemon does without at the moment, in sentences; empty: nothing
   std::string last_refusal;  ///< why the last candidate for a rest window was refused
   LatencyCounts latency_counts{};
   std::int64_t latency_max_ns = 0;

@@ -5,6 +5,8 @@
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 #include <array>
+#include <bit>
+#include <cstddef>
 #include <cstdint>
 #include <type_traits>
 
@@ -31,8 +33,14 @@ inline Array9 array(const Mat3& m) {
 
 /// Which parts of a sample were measured at its time. A part that was not is left at its default and never used.
 enum SamplePart : std::uint8_t { kAcc = 1, kGyr = 2, kMag = 4, kTemp = 8 };
+inline constexpr std::size_t kSampleParts = 4;
+/// 0 to 3, in the order above: an index into arrays of one entry a part.
+[[nodiscard]] constexpr std::size_t part_index(SamplePart part) noexcept {
+  return static_cast<std::size_t>(std::countr_zero(static_cast<unsigned>(part)));
+}
 
-/// One reading of the sensor, as the sensor gave it (bias and matrix not yet applied), in physical units.
+/// What the sensor gave at one time, any of its parts, as it gave it (bias and matrix not yet applied), in physical
+/// units.
 struct RawSample {
   std::int64_t t_ns = 0;       ///< time of the measurement, monotonic within a run
   std::uint64_t sequence = 0;  ///< counts samples from the source; a jump is a loss
@@ -54,7 +62,10 @@ struct CalibratedSample {
   Array3 mag_uT{};
   double temp_degC = 0.0;
   std::uint8_t has = 0;
+  Array3 acc_turn_rad{};     ///< from the body at the accelerometer's reading to the body at t_ns, a rotation vector
+  Array3 mag_turn_rad{};     ///< the same for the magnetometer; both zero for a reading of this very time
   std::uint8_t clipped = 0;  ///< bits of SamplePart: an axis of that part sits at the sensor's limit
+  std::uint8_t absent = 0;   ///< bits of SamplePart: overdue; a part in neither `has` nor here only speaks more rarely
   std::uint64_t calibration_version = 0;
 
   [[nodiscard]] bool holds(SamplePart part) const noexcept { return (has & part) != 0; }

@@ -1,0 +1,17 @@
+/// Directions against each other: the angle between two, the rotation nearest to what takes many to their counterparts.
+#pragma once
+#include <cmath>
+
+#include "core/types.h"
+
+namespace stillpoint {
+
+[[nodiscard]] inline double angle_rad(const Vec3& a, const Vec3& b) noexcept {
+  return std::atan2(a.cross(b).norm(), a.dot(b));
+}
+
+/// The orthogonal matrix of this determinant, 1 or -1, that is nearest to M in the Frobenius norm. Of M = sum a_i b_i'
+/// it takes the b_i nearest to the a_i (Wahba 1965; by SVD: Markley 1988).
+[[nodiscard]] Mat3 nearest_orthogonal(const Mat3& M, double determinant = 1.0);
+
+}  // namespace stillpoint
