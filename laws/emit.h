@@ -1,0 +1,30 @@
+/// Laws as code to paste into somebody else's simulator: a function of the drivers' columns that gives what the law
+/// adds to the three axes. The code needs nothing but the language itself.
+#pragma once
+#include <array>
+#include <string>
+#include <vector>
+
+#include "laws/expression.h"
+
+namespace stillpoint::laws {
+
+/// What a law adds to a sensor: k times its number (axis by axis), or its vector axis by axis; or a matrix times it.
+struct Coupled {
+  Node tree;  ///< checked
+  bool has_matrix = false;
+  std::array<double, 9> matrix{};   ///< row-major; without a matrix the first three are k
+  double from_s = 0.0, to_s = 0.0;  ///< of the law's time; equal: always
+  std::string sensor, unit;         ///< for the comment: "accelerometer", "m/s^2"
+};
+
+enum class Language { kPython, kCpp, kMatlab };
+
+/// "py", "h", "m"
+[[nodiscard]] const char* suffix(Language language);
+
+/// The function `name`(t, drivers in the order of drivers_of without t). Python and MATLAB take lists or columns
+/// (vectors: n x 3), C++ std::vector<double> and std::vector<std::array<double, 3>>; times increase.
+[[nodiscard]] std::string emit(const Coupled& law, const std::string& name, Language language);
+
+}  // namespace stillpoint::laws

@@ -1,0 +1,34 @@
+#include "laws/emit_language.h"
+
+#include <fmt/format.h>
+
+namespace stillpoint::laws {
+
+std::string Dialect::number(double x) const {
+  std::string out = fmt::format("{}", x);
+  if (out.find_first_of(".en") == std::string::npos) out += ".0";
+  return x < 0.0 ? "(" + out + ")" : out;
+}
+
+std::string Dialect::numbers(const Coupled& law, std::size_t first, std::size_t count) const {
+  std::string out;
+  for (std::size_t i = first; i < first + count; ++i) out += (i > first ? ", " : "") + number(law.matrix[i]);
+  return out;
+}
+
+std::vector<std::string> Dialect::words(const Coupled& law, const Names& drivers) const {
+  std::vector<std::string> out{fmt::format("Adds to the {} (in {}), row by row: {} times", law.sensor, law.unit,
+                                           law.has_matrix ? "a matrix" : "k"),
+                               "  " + text(law.tree),
+                               "t: seconds, increasing" + std::string(drivers.empty() ? "" : "; drivers:")};
+  for (const auto& [name, vector] : drivers) {
+    const auto info = standard_drivers().find(name);
+    const bool known = info != standard_drivers().end();
+    out.push_back(fmt::format("  {}: {}{}{}", name, known ? info->second.words : "column of the recording",
+                              known && !info->second.unit.plain() ? " in " + text(info->second.unit) : "",
+                              vector ? ", three axes of the sensor" : ""));
+  }
+  return out;
+}
+
+}  // namespace stillpoint::laws
