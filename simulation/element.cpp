@@ -18,7 +18,8 @@ Element::Element(Sensor sensor, const SimulationConfig& config, const TriadConfi
       inverse_(triad.matrix.inverse()),
       bias_(triad.bias),
       place_(laws_for(config.effects, sensor, Stage::kPlace)),
-      element_(laws_for(config.effects, sensor, Stage::kElement)) {
+      element_(laws_for(config.effects, sensor, Stage::kElement)),
+      written_(law_effects(config.effects, sensor)) {
   const std::string own = std::string(prefix(sensor)) + "_";
   for (const auto& e : config.effects) {
     if (e.id == own + "sat" && clips_before_the_filter(e, config.effects)) clip_.emplace_back(e);
@@ -48,7 +49,12 @@ Vec3 Element::signal(const Vec3& at_place, const Instant& now, double step_s) no
   return signal;
 }
 
-Vec3 Element::output(const Vec3& signal, const Instant& now, double row_step_s) noexcept {
+bool Element::outside_table() const noexcept {
+  return std::any_of(written_.begin(), written_.end(), [](const LawEffect& w) { return w.outside(); });
+}
+
+Vec3 Element::output(const Vec3& signal, const Instant& now, double row_step_s,
+                     const laws::DriverAt& drivers) noexcept {
   Vec3 u = signal;
   const auto add = [&](const ActiveEffect& effect, const Vec3& delta) {
     if (effect.active(now.t_s)) u += effect.axes.cwiseProduct(delta);
@@ -58,6 +64,7 @@ Vec3 Element::output(const Vec3& signal, const Instant& now, double row_step_s) 
     const Vec3 fast = now.force_mps2 - r.mean.next(now.force_mps2, row_step_s);
     add(r, r.values.vec3(0).cwiseProduct(r.power.next(fast.cwiseAbs2(), row_step_s)));
   }
+  for (LawEffect& law : written_) u += law.next(drivers, now.t_s);
   return u;
 }
 

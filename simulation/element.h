@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "simulation/filters.h"
+#include "simulation/law_effect.h"
 #include "simulation/laws.h"
 
 namespace stillpoint::sim {
@@ -20,8 +21,10 @@ class Element {
   }
   /// What the element gives, through the filters. Called in time order, `step_s` after the call before.
   Vec3 signal(const Vec3& at_place, const Instant& now, double step_s) noexcept;
-  /// That signal with what lags or averages behind it: once per row.
-  Vec3 output(const Vec3& signal, const Instant& now, double row_step_s) noexcept;
+  /// That signal with what lags or averages behind it, and with the laws and tables of the file: once per row.
+  Vec3 output(const Vec3& signal, const Instant& now, double row_step_s, const laws::DriverAt& drivers) noexcept;
+  /// Whether a table was asked outside its range in the last row.
+  [[nodiscard]] bool outside_table() const noexcept;
 
  private:
   struct FilteredLaw : ActiveEffect {
@@ -51,6 +54,7 @@ class Element {
   std::vector<Rectification> rectification_;
   std::vector<LowPassEffect> low_pass_;
   std::vector<ResonanceEffect> resonance_;
+  std::vector<LawEffect> written_;
 };
 
 /// Saturation that hides behind a filter: `hidden: 1` in a sensor that has one.

@@ -116,4 +116,9 @@ Vec3 Environment::iron_field_uT(const Vec3& position_m, double t_s) const noexce
   return sum;
 }
 
+double Environment::user(std::string_view name, double t_s) const noexcept {
+  const auto found = recorded_.user.find(name);
+  return found == recorded_.user.end() || found->second.t_s.empty() ? 0.0 : found->second.at(t_s);
+}
+
 }  // namespace stillpoint::sim

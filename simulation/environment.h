@@ -1,6 +1,8 @@
 /// Surroundings of the sensor as pure functions of time: temperature, current, supply voltage, moving iron.
 #pragma once
 #include <cstdint>
+#include <map>
+#include <string>
 #include <vector>
 
 #include "simulation/config.h"
@@ -19,6 +21,7 @@ struct TimeSeries {
 /// Measured temperature, current and supply that take the place of the configured ones; an empty series does not.
 struct RecordedEnvironment {
   TimeSeries temp_degC, current_A, supply_V;
+  std::map<std::string, TimeSeries, std::less<>> user;  ///< further columns, for laws that name them
 };
 
 class Environment {
@@ -29,6 +32,8 @@ class Environment {
   [[nodiscard]] double temp_degC(double t_s) const noexcept;
   [[nodiscard]] double current_A(double t_s) const noexcept;
   [[nodiscard]] double supply_V(double t_s) const noexcept;
+  /// A user column; 0 where it was not recorded.
+  [[nodiscard]] double user(std::string_view name, double t_s) const noexcept;
   /// Field of the moving iron at a point of the world, uT.
   [[nodiscard]] Vec3 iron_field_uT(const Vec3& position_m, double t_s) const noexcept;
   /// Earth rotation in ENU, rad/s.

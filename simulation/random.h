@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <string_view>
 
+#include "core/fnv1a.h"
 #include "core/types.h"
 
 namespace stillpoint::sim {
@@ -36,9 +37,7 @@ inline const Ziggurat kZiggurat;
 class Stream {
  public:
   Stream(std::uint64_t seed, std::string_view source) {
-    std::uint64_t hash = 0xcbf29ce484222325U;
-    for (const char c : source) hash = (hash ^ static_cast<unsigned char>(c)) * 0x100000001b3U;
-    std::uint64_t x = seed ^ std::rotl(hash, 17);
+    std::uint64_t x = seed ^ std::rotl(fnv1a(source), 17);
     for (auto& word : state_) {
       x += 0x9e3779b97f4a7c15U;
       std::uint64_t z = (x ^ (x >> 30U)) * 0xbf58476d1ce4e5b9U;

@@ -83,6 +83,28 @@ MotionState Simulator::motion_at(double t_s) noexcept {
   return r.motion;
 }
 
+/// What a law of the file is driven by. At the row's own time it is the force, rate and field at the place.
+Vec3 Simulator::driver_at(std::string_view name, double t_s) noexcept {
+  if (name == "t") return Vec3::Constant(t_s);
+  if (name == "T") return Vec3::Constant(environment_.temp_degC(t_s));
+  if (name == "I") return Vec3::Constant(environment_.current_A(t_s));
+  if (name == "V") return Vec3::Constant(environment_.supply_V(t_s));
+  const bool now = t_s == now_t_s_;
+  if (now && name == "w") return now_.rate_radps;
+  if (now && name == "f") return now_.force_mps2;
+  if (now && name == "m") return now_.field_uT;
+  const bool kinematic =
+      name == "w" || name == "f" || name == "m" || name == "p" || name == "east" || name == "north" || name == "up";
+  if (!kinematic) return Vec3::Constant(environment_.user(name, t_s));
+  const MotionState motion = now ? now_.motion : motion_at(t_s);
+  if (name == "p") return motion.position_m;
+  if (name == "w") return motion.rate_radps;
+  const Mat3 R_body_world = now ? now_.R_body_world : motion.q_world_body.conjugate().toRotationMatrix();
+  if (name == "f") return R_body_world * (motion.acceleration_mps2 + Vec3(0.0, 0.0, config_.gravity_mps2));
+  if (name == "m") return R_body_world * config_.field_world_uT;
+  return R_body_world.col(name == "east" ? 0 : name == "north" ? 1 : 2);
+}
+
 /// Everything true at one time, with force, rate and field bare.
 void Simulator::fill_instant(double t_s, std::uint32_t frames) noexcept {
   now_.t_s = now_t_s_ = t_s;
@@ -139,7 +161,10 @@ Vec3 Simulator::signal_of(Sensor sensor, Channel& channel) noexcept {
     signal = channel.element.signal(truth, now_, step_s);
   }
   channel.last_t_s = t;
-  return channel.element.output(signal, now_, step_s);
+  const Vec3 out = channel.element.output(
+      signal, now_, step_s, [this](std::string_view name, double time_s) { return driver_at(name, time_s); });
+  outside_table_ = outside_table_ || channel.element.outside_table();
+  return out;
 }
 
 void Simulator::read_triad(Sensor sensor, double row_t_s, RawSample& out) noexcept {

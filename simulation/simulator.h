@@ -42,6 +42,8 @@ class Simulator {
 
   /// u = H (y - B) of a reading; for measuring what an effect changes.
   [[nodiscard]] Vec3 corrected(Sensor sensor, const Array3& y) const noexcept;
+  /// Whether a table of the file was asked outside its range so far: what it then gave is its end value, no truth.
+  [[nodiscard]] bool outside_table() const noexcept { return outside_table_; }
   [[nodiscard]] bool has(Sensor sensor) const noexcept { return chains_[static_cast<std::size_t>(sensor)].has_value(); }
 
  private:
@@ -61,6 +63,7 @@ class Simulator {
   void add_chain(Sensor sensor, const TriadConfig& triad, std::uint64_t seed);
   [[nodiscard]] std::uint32_t frames_of(Sensor sensor, int axis, double t_s) const noexcept;
   [[nodiscard]] MotionState motion_at(double t_s) noexcept;
+  [[nodiscard]] Vec3 driver_at(std::string_view name, double t_s) noexcept;
   void fill_instant(double t_s, std::uint32_t frames) noexcept;
   const Vec3& at_place(Sensor sensor, double t_s, std::uint32_t frames) noexcept;
   [[nodiscard]] Vec3 signal_of(Sensor sensor, Channel& channel) noexcept;
@@ -96,6 +99,7 @@ class Simulator {
   std::array<bool, 3> placed_{};  ///< which of now_'s force, rate and field carry the laws of their place
   double now_t_s_;
   std::uint32_t now_frames_ = 0;  ///< bit k: now_ is seen through frame_[k]
+  bool outside_table_ = false;
   std::uint64_t row_ = 0, rows_ = 0;
   RawSample last_sent_;
   // sys_tracker: short means of rate and force tell rest, the bias follows the rate at rest
