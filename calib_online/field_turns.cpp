@@ -27,7 +27,8 @@ void FieldTurnFinder::restart() noexcept {
 }
 
 std::optional<FieldTurn> FieldTurnFinder::push(const RawSample& s, std::uint8_t clipped,
-                                               const CalibrationSnapshot& calibration) noexcept {
+                                               const CalibrationSnapshot& calibration,
+                                               const Array3& mag_turn_rad) noexcept {
   const double step_s = static_cast<double>(s.t_ns - last_t_ns_) * kSecondsPerNs;
   if (!s.holds(kGyr) || !finite(s.gyr_radps) || (clipped & (kGyr | kMag)) != 0 ||
       (started_ && !(step_s > 0.0 && step_s < kLongestStep_s))) {
@@ -42,11 +43,12 @@ std::optional<FieldTurn> FieldTurnFinder::push(const RawSample& s, std::uint8_t 
       block_.turned = Quat::Identity();
       block_.t_start_ns = s.t_ns;
     }
-    const Vec3 u = block_.turned * calibration.mag.apply(s.mag_uT, s.temp_degC);
+    const Quat at_reading = block_.turned * exp_quat(Vec3(-vec(mag_turn_rad)));
+    const Vec3 u = at_reading * calibration.mag.apply(s.mag_uT, s.temp_degC);
     if (block_.count > 0) block_.step_sq += (u - block_.last).squaredNorm();
     block_.last = u;
     block_.sum += u;
-    block_.turned_sum += log_quat(block_.turned);
+    block_.turned_sum += log_quat(at_reading);
     ++block_.count;
   }
   if (block_.count == 0 || s.t_ns - block_.t_start_ns < kBlock_ns) return std::nullopt;

@@ -29,9 +29,10 @@ static_assert(std::is_trivially_copyable_v<FieldTurn>, "turns cross a ring betwe
 class FieldTurnFinder {
  public:
   /// Takes the next sample in time order. At most two turns a second come out, none while the body does not turn.
-  /// `clipped`: bits of SamplePart whose reading sits at the sensor's limit.
-  std::optional<FieldTurn> push(const RawSample& sample, std::uint8_t clipped,
-                                const CalibrationSnapshot& calibration) noexcept;
+  /// `clipped`: bits of SamplePart whose reading sits at the sensor's limit. `mag_turn_rad`: how the body has turned
+  /// since the magnetometer's reading, where that is older than the sample.
+  std::optional<FieldTurn> push(const RawSample& sample, std::uint8_t clipped, const CalibrationSnapshot& calibration,
+                                const Array3& mag_turn_rad = {}) noexcept;
 
  private:
   struct Block {              ///< readings of a tenth of a second

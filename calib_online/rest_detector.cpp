@@ -33,8 +33,7 @@ std::optional<Window> RestDetector::push(const RawSample& sample, const Calibrat
   if (has_last_ && (sample.t_ns <= last_t_ns_ || 2 * (sample.t_ns - last_t_ns_) > quarter_ns_)) {
     restart();
     chain_.broken = true;
-    moved_ = true;
-    anchor_.set = false;
+    moved();
     last_refusal_ = Refusal::kGap;
   } else if (has_last_) {
     integrate(sample, calibration, temp_degC);
@@ -84,6 +83,13 @@ void RestDetector::restart() noexcept {
   has_last_raw_.fill(false);
 }
 
+/// Another attitude: no direction from before can be compared, no turn from before goes on.
+void RestDetector::moved() noexcept {
+  moved_ = true;
+  anchor_.set = false;
+  seen_turn_ = Vec3::Zero();
+}
+
 void RestDetector::begin_quarter(const RawSample& sample) noexcept {
   current_ = Quarter{};
   current_.t_first_ns = sample.t_ns;
@@ -108,7 +114,7 @@ void RestDetector::integrate(const RawSample& sample, const CalibrationSnapshot&
   chain_.duration_s += dt_s;
   last_rate_ = z_now;
   has_last_rate_ = true;
-  if (rate_radps > kMovedRate_radps) moved_ = true;
+  if (rate_radps > kMovedRate_radps) moved();
   if (beyond(sample.gyr_radps, params_.gyr_limit_radps)) chain_.broken = true;
 }
 

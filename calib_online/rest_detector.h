@@ -128,7 +128,7 @@ class RestDetector {
     Vec3 turn = Vec3::Zero();              ///< rad/s, from gravity and the field alone
     Mat3 turn_information = Mat3::Zero();  ///< of that; zero about an axis that neither shows
     Mat3 turn_cov = Mat3::Zero();
-    bool use_still = false;
+    bool use_still = false, not_gravity = false;
     std::uint8_t stuck = 0, clipped = 0;
     double temp_degC = 25.0;
   };
@@ -140,6 +140,7 @@ class RestDetector {
   void begin_quarter(const RawSample& sample) noexcept;
   void hold_against_rest(const RawSample& sample, double dt_s) noexcept;
   void restart() noexcept;
+  void moved() noexcept;
   std::optional<Window> evaluate(const CalibrationSnapshot& calibration) noexcept;
   [[nodiscard]] Summary summarise(std::size_t triad) const noexcept;
   [[nodiscard]] Mat3 covariance_of_mean(std::size_t triad, const Vec3& mean_in_ref) const noexcept;
@@ -148,7 +149,7 @@ class RestDetector {
   [[nodiscard]] Refusal judge_force(Evidence& e, const CalibrationSnapshot& calibration) const noexcept;
   [[nodiscard]] Refusal judge_rate(Evidence& e, const CalibrationSnapshot& calibration) noexcept;
   [[nodiscard]] bool turns(Evidence& e) noexcept;
-  [[nodiscard]] bool rate_beyond_known_bias(const Evidence& e, const CalibrationSnapshot& calibration) noexcept;
+  [[nodiscard]] bool rate_beyond_known_bias(const Evidence& e, const CalibrationSnapshot& calibration) const noexcept;
   Window make_window(const Evidence& e, Refusal rate, const CalibrationSnapshot& calibration) noexcept;
   void hand_on_rotation(Window& w, const CalibrationSnapshot& calibration) noexcept;
   void keep_anchor(const Evidence& e, Refusal rate) noexcept;
@@ -182,8 +183,6 @@ class RestDetector {
     int beyond = 0;  ///< samples in a row
   } held_;
   Vec3 seen_turn_ = Vec3::Zero();  ///< rad/s; the last steady turn that gravity or field showed, zero when it is over
-  std::int64_t suspected_since_ns_ = 0;
-  bool suspected_ = false;
   /// Of each triad's axes, noisier at rest than its lattice: a reading that then does not change is no reading.
   std::array<std::array<bool, 3>, 3> noisy_{};
   std::uint8_t told_stuck_ = 0, told_clipped_ = 0;

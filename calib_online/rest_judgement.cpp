@@ -9,14 +9,14 @@
 namespace stillpoint::calib {
 namespace {
 
-constexpr int kLeastSamples = 12;         // three a quarter
-constexpr double kAccDrift_mps2 = 0.01;   // 1 mg: what an accelerometer may drift between anchor and now
-constexpr double kMagDrift_uT = 0.3;      // the same for the field and its sensor
-constexpr double kAccSlope_mps2 = 0.005;  // slow wander of the readings inside a window
-constexpr double kSignificant = 5.0;      // sd; one test a window, a day has 4e4 of them
-constexpr double kSlowTurn_radps = 0.09;  // 5 deg/s: faster, and the lever arm of the sensor is felt
-constexpr double kTurnLast_s = 900.0;     // a turn that only the gyro shows and that lasts longer is a changed bias
-constexpr double kClippedShare = 0.1;     // of a window; single clipped readings are shocks
+constexpr int kLeastSamples = 12;                    // three a quarter
+constexpr double kAccDrift_mps2 = 0.01;              // 1 mg: what an accelerometer may drift between anchor and now
+constexpr double kMagDrift_uT = 0.3;                 // the same for the field and its sensor
+constexpr double kAccSlope_mps2 = 0.005;             // slow wander of the readings inside a window
+constexpr double kSignificant = 5.0;                 // sd; one test a window, a day has 4e4 of them
+constexpr double kSlowTurn_radps = 0.09;             // 5 deg/s: faster, and the lever arm of the sensor is felt
+constexpr double kLeastNorm = 0.5, kMostNorm = 2.0;  // of gravity: beyond, no wrong range explains it
+constexpr double kClippedShare = 0.1;                // of a window; single clipped readings are shocks
 
 }  // namespace
 
@@ -44,6 +44,8 @@ std::string_view name(Refusal refusal) noexcept {
       return "linear acceleration";
     case Refusal::kNotGravity:
       return "not gravity";
+    case Refusal::kUnknownRate:
+      return "unknown rate";
   }
   return "?";
 }
@@ -99,7 +101,8 @@ RestDetector::Summary RestDetector::summarise(std::size_t w) const noexcept {
   s.mean = total / s.n;
   const Vec3 mean_in_ref = total_ref / s.n;
   s.mean_still = w == kGyrIndex ? s.mean : Vec3(R_middle_ref * mean_in_ref);
-  s.power = std::max(0.0, (sq / s.n - mean_in_ref.cwiseProduct(mean_in_ref)).sum());
+  // About whichever mean is steadier: an offset of the gyroscope that is not known yet turns what really rests.
+  s.power = std::max(0.0, sq.sum() / s.n - std::max(mean_in_ref.squaredNorm(), s.mean.squaredNorm()));
   s.white_var = steps > 0 ? step_sq / (6.0 * steps) : 0.0;  // mean over the axes of half the mean square step
   if (steps > 0) s.noise_sd = (raw_step_sq / (2.0 * steps)).cwiseSqrt();
   for (int axis = 0; axis < 3; ++axis)
@@ -151,7 +154,8 @@ Refusal RestDetector::judge_force(Evidence& e, const CalibrationSnapshot& calibr
   }
   const double norm_sd = calibration.acc.norm_sd > 0 ? calibration.acc.norm_sd / params_.gravity_mps2 : 0.0;
   const double norm = (e.use_still ? acc.mean_still : acc.mean).norm() / params_.gravity_mps2;
-  if (std::abs(norm - 1.0) > std::max(params_.norm_tolerance, kSignificant * norm_sd)) return Refusal::kNotGravity;
+  if (norm < kLeastNorm || norm > kMostNorm) return Refusal::kNotGravity;
+  e.not_gravity = std::abs(norm - 1.0) > std::max(params_.norm_tolerance, kSignificant * norm_sd);
   return Refusal::kNone;
 }
 
@@ -162,8 +166,9 @@ Refusal RestDetector::judge_rate(Evidence& e, const CalibrationSnapshot& calibra
   if (gyr.n > 0 && gyr.spread_sq > limit_gyr + gyr.spread_noise_sq) return Refusal::kSwaying;
   const double limit_acc = params_.acc_spread_mps2 * params_.acc_spread_mps2 + acc.spread_noise_sq;
   const bool turning = turns(e);
-  if (turning || acc.spread_sq > limit_acc || rate_beyond_known_bias(e, calibration)) return Refusal::kTurning;
-  return Refusal::kNone;
+  if (turning || acc.spread_sq > limit_acc) return Refusal::kTurning;
+  if (e.not_gravity) return Refusal::kNotGravity;
+  return rate_beyond_known_bias(e, calibration) ? Refusal::kUnknownRate : Refusal::kNone;
 }
 
 /// Rate of turn from the change of gravity and field, u' = u x w: least squares over both, inside the window and from
@@ -219,7 +224,7 @@ bool RestDetector::turns(Evidence& e) noexcept {
 }
 
 /// Where neither gravity nor field can tell, only what is known of the gyro's bias can.
-bool RestDetector::rate_beyond_known_bias(const Evidence& e, const CalibrationSnapshot& calibration) noexcept {
+bool RestDetector::rate_beyond_known_bias(const Evidence& e, const CalibrationSnapshot& calibration) const noexcept {
   const Summary& gyr = e.triad[kGyrIndex];
   if (gyr.n == 0 || calibration.gyr.status != CalibrationStatus::kOk) return false;
   const double prior_var = params_.unseen_turn_sd_radps * params_.unseen_turn_sd_radps;
@@ -232,14 +237,7 @@ bool RestDetector::rate_beyond_known_bias(const Evidence& e, const CalibrationSn
   const double size = unseen.norm();
   const Vec3 axis = unseen / std::max(size, 1e-12);
   const Mat3 known = mat(calibration.gyr.bias_covariance) + gyr.cov;
-  if (size <= params_.turn_radps || size * size <= kSignificant * kSignificant * axis.dot(known * axis)) {
-    suspected_ = false;
-    return false;
-  }
-  const std::int64_t now_ns = quarters_.back().t_last_ns;
-  if (!suspected_) suspected_since_ns_ = now_ns;
-  suspected_ = true;
-  return static_cast<double>(now_ns - suspected_since_ns_) * kSecondsPerNs < kTurnLast_s;
+  return size > params_.turn_radps && size * size > kSignificant * kSignificant * axis.dot(known * axis);
 }
 
 }  // namespace stillpoint::calib

@@ -59,7 +59,8 @@ Window RestDetector::make_window(const Evidence& e, Refusal rate, const Calibrat
   const std::array<Array3*, 3> means{&w.acc_mps2, &w.gyr_radps, &w.mag_uT};
   const std::array<Array9*, 3> covs{&w.acc_cov, &w.gyr_cov, &w.mag_cov};
   for (std::size_t k = 0; k < 3; ++k) {
-    if (e.triad[k].n == 0 || (k == kGyrIndex && rate != Refusal::kNone)) continue;
+    const bool steady = rate == Refusal::kNone || rate == Refusal::kNotGravity || rate == Refusal::kUnknownRate;
+    if (e.triad[k].n == 0 || (k == kGyrIndex && !steady)) continue;
     if (((e.stuck | e.clipped) & kTriadBits[k]) != 0) continue;
     for (int axis = 0; axis < 3; ++axis) {
       const Summary& s = e.triad[k];
@@ -111,6 +112,7 @@ void RestDetector::hand_on_rotation(Window& w, const CalibrationSnapshot& calibr
   Eigen::Map<Mat39>(w.d_rotation_d_matrix.data()) = turned.J;
   w.d_rotation_d_bias = array(turned.J_bias);
   w.gyr_matrix_used = calibration.gyr.matrix;
+  w.gyr_bias_used = array(calibration.gyr.bias_at(w.temp_degC));
 
   Chain next;
   next.rotation = chain_.rotation.after(turned);

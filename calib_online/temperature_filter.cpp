@@ -54,9 +54,11 @@ void AccFilter::reset() noexcept {
   s_.P.set(prior_variance().asDiagonal());
 }
 
-void AccFilter::widen(double times) noexcept {
+void AccFilter::open(double relative) noexcept {
   Eigen::Matrix<double, kStates, kStates> P = s_.P.full();
-  P.diagonal() += times * prior_variance();
+  P.diagonal() += prior_variance();
+  P.diagonal().segment<3>(0).array() += squared(2.0 * relative);
+  P.diagonal().segment<3>(6).array() += squared(2.0 * relative);
   s_.P.set(P);
 }
 
@@ -108,7 +110,7 @@ Mat9 AccFilter::prior_covariance_at(double tau) const noexcept {
 GyrFilter::GyrFilter(const GyrFilterParams& params) : params_(params) { reset(); }
 
 GyrFilter::StateVec GyrFilter::prior_variance() const noexcept {
-  StateVec v;
+  StateVec v = StateVec::Zero();
   for (int axis = 0; axis < 3; ++axis)
     v.segment<4>(4 * axis) << squared(params_.bias_sd_radps), squared(params_.bias_per_K_sd_radps * kTempScale_K),
         squared(params_.bias_curvature_sd_radps), squared(params_.wander_sd_radps);
@@ -120,9 +122,18 @@ void GyrFilter::reset() noexcept {
   s_.P.set(prior_variance().asDiagonal());
 }
 
-void GyrFilter::widen(double times) noexcept {
+void GyrFilter::begin_attitude(const Mat3& turn_covariance) noexcept {
   StateMat P = s_.P.full();
-  P.diagonal() += times * prior_variance();
+  P.bottomRows<3>().setZero();
+  P.rightCols<3>().setZero();
+  P.bottomRightCorner<3, 3>() = turn_covariance;
+  s_.P.set(P);
+  for (std::size_t k = kBias; k < kStates; ++k) s_.x[k] = 0.0;
+}
+
+void GyrFilter::open_bias(double sd_radps) noexcept {
+  StateMat P = s_.P.full();
+  for (int axis = 0; axis < 3; ++axis) P(4 * axis, 4 * axis) += squared(sd_radps);
   s_.P.set(P);
 }
 
@@ -141,14 +152,15 @@ void GyrFilter::predict(double dt_s) noexcept {
   s_.P.set(P);
 }
 
-Eigen::Matrix<double, GyrFilter::kStates, 3> GyrFilter::regressors(double tau, double tau2) const noexcept {
+Eigen::Matrix<double, GyrFilter::kStates, 3> GyrFilter::regressors(double tau, double tau2) noexcept {
   Eigen::Matrix<double, kStates, 3> h = Eigen::Matrix<double, kStates, 3>::Zero();
   for (int axis = 0; axis < 3; ++axis) h.block<4, 1>(4 * axis, axis) << 1.0, tau, tau2, 1.0;
   return h;
 }
 
 void GyrFilter::update(const Vec3& rate, const Mat3& covariance, double tau, double tau2) noexcept {
-  const auto h = regressors(tau, tau2);
+  auto h = regressors(tau, tau2);
+  h.bottomRows<3>().setIdentity();
   StateMat P = s_.P.full();
   const Eigen::Matrix<double, kStates, 3> Ph = P * h;
   const Mat3 S = h.transpose() * Ph + covariance + squared(params_.mean_floor_radps) * Mat3::Identity();

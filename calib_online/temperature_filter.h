@@ -89,8 +89,8 @@ class AccFilter {
   [[nodiscard]] Innovation innovation(const Vec3& x, double tau) const noexcept;
   /// Scalar update with the variance of the innovation's measurement part.
   void update(const Vec3& x, double tau, double variance) noexcept;
-  /// Adds `times` the prior covariance: after a run of readings that contradict what was learnt.
-  void widen(double times) noexcept;
+  /// What is known may be another: by as much as the prior says, and by so much of the norm, in scale and bias.
+  void open(double relative) noexcept;
   void reset() noexcept;
 
   /// The nine entries and their covariance at tau.
@@ -138,10 +138,12 @@ struct GyrFilterParams {
   }
 };
 
-/// Bias over the factory's, per axis b0 + tau b1 + tau^2 b2 + decaying part; states (b0 b1 b2 w) of x, then y, then z.
+/// Bias over the factory's, per axis b0 + tau b1 + tau^2 b2 + decaying part; states (b0 b1 b2 w) of x, then y, then z,
+/// then the rate at which the body may turn in its present attitude.
 class GyrFilter {
  public:
-  static constexpr int kStates = 12;
+  static constexpr int kBias = 12;
+  static constexpr int kStates = kBias + 3;
   using StateVec = Eigen::Matrix<double, kStates, 1>;
   using StateMat = Eigen::Matrix<double, kStates, kStates>;
   struct State {
@@ -151,9 +153,12 @@ class GyrFilter {
 
   explicit GyrFilter(const GyrFilterParams& params);
   void predict(double dt_s) noexcept;
+  /// The body lies in another attitude: whatever turn hides there is another one, with this covariance.
+  void begin_attitude(const Mat3& turn_covariance) noexcept;
+  /// The constant part may be another by so much.
+  void open_bias(double sd_radps) noexcept;
   /// A mean rate of rest with its covariance; tau and tau^2 as means over the stretch.
   void update(const Vec3& rate, const Mat3& covariance, double tau, double tau2) noexcept;
-  void widen(double times) noexcept;
   void reset() noexcept;
   [[nodiscard]] Vec3 at(double tau, double tau2) const noexcept;
   [[nodiscard]] Mat3 covariance_at(double tau, double tau2) const noexcept;
@@ -166,7 +171,8 @@ class GyrFilter {
   void restore(const State& s) noexcept { s_ = s; }
 
  private:
-  [[nodiscard]] Eigen::Matrix<double, kStates, 3> regressors(double tau, double tau2) const noexcept;
+  /// Of the bias; those of a rate have the turn beside it.
+  [[nodiscard]] static Eigen::Matrix<double, kStates, 3> regressors(double tau, double tau2) noexcept;
   [[nodiscard]] StateVec prior_variance() const noexcept;
   GyrFilterParams params_;
   State s_;

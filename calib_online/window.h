@@ -33,6 +33,7 @@ enum class Refusal : std::uint8_t {
   kTurning,             ///< gravity, the field or the known gyro bias say that the body turns steadily
   kLinearAcceleration,  ///< the specific force changes in a way that no rotation explains
   kNotGravity,          ///< the calibrated norm is too far from gravity for the calibration's own uncertainty
+  kUnknownRate,         ///< steady, and beyond what is known of the gyro's bias: a turn, or another bias
 };
 [[nodiscard]] std::string_view name(Refusal refusal) noexcept;
 
@@ -41,8 +42,10 @@ struct Window {
   std::int64_t t_start_ns = 0;
   std::int64_t t_end_ns = 0;
   std::uint32_t samples = 0;
-  std::uint8_t has = 0;              ///< bits of SamplePart: the means below that were measured
-  Refusal refusal = Refusal::kNone;  ///< kNone: rest. kSwaying, kTurning: the specific force holds, the rate does not
+  std::uint8_t has = 0;  ///< bits of SamplePart: the means below that were measured
+  /// kNone: rest. kSwaying, kTurning: the specific force holds, the rate does not. kNotGravity, kUnknownRate: steady,
+  /// but against what is known; attitudes will show which of the two is wrong.
+  Refusal refusal = Refusal::kNone;
   std::uint8_t stuck = 0, clipped = 0;  ///< bits of SamplePart: triads that do not change, or sit at their limit. A
                                         ///< window that holds nothing else (has = 0) tells that this has changed
   bool rotation_valid = false;          ///< the gyroscope saw the whole way from the previous window
@@ -57,6 +60,7 @@ struct Window {
   Array27 d_rotation_d_matrix{};                      ///< rotation vector (this frame) by the rows of the gyro's H
   Array9 d_rotation_d_bias{};                         ///< the same by the gyro's bias, s
   Array9 gyr_matrix_used{1, 0, 0, 0, 1, 0, 0, 0, 1};  ///< H at which the rotation was integrated
+  Array3 gyr_bias_used{};                             ///< at which it was integrated
   double rotation_path_rad = 0.0;                     ///< length of the way, not of its result
   double rotation_s = 0.0;                            ///< time from middle to middle
 };

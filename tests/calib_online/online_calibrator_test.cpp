@@ -101,7 +101,7 @@ TEST(OnlineCalibrator, CutAndResumedGivesTheUncutResult) {
 TEST(OnlineCalibrator, RefusesAStateThatIsNotFinite) {
   OnlineCalibrator calibrator({}, {});
   OnlineCalibrator::State state = calibrator.state();
-  state.acc.x[3] = std::numeric_limits<double>::quiet_NaN();
+  state.acc.published.x[3] = std::numeric_limits<double>::quiet_NaN();
   EXPECT_FALSE(calibrator.restore(state));
   state = calibrator.state();
   ++state.version;

@@ -119,6 +119,54 @@ TEST(RestDetector, HandsOnTheRotationBetweenTwoWindows) {
   EXPECT_LT(error.norm(), 2e-3);
 }
 
+TEST(RestDetector, AWindowStatesHowLongAndHowFarTheWaySinceTheLastOneWas) {
+  test::Synthetic source(test::SensorTruth{}, 3);
+  RestDetector detector;
+  const CalibrationSnapshot factory;
+  std::vector<Window> windows;
+  const auto take = [&](const RawSample& s) {
+    if (auto w = detector.push(s, factory)) windows.push_back(*w);
+  };
+  source.run(3.0, {}, take);
+  test::Motion turn;
+  turn.rate_radps = [](double) { return Vec3(0.6, -0.8, 0.0); };
+  source.run(2.5, turn, take);
+  source.run(6.0, {}, take);
+  ASSERT_GE(windows.size(), 3U);
+  EXPECT_FALSE(windows[0].rotation_valid) << "there was none before it";
+  const auto middle_s = [](const Window& w) { return 0.5e-9 * static_cast<double>(w.t_start_ns + w.t_end_ns); };
+  for (std::size_t k = 1; k < windows.size(); ++k) {
+    EXPECT_TRUE(windows[k].rotation_valid) << k;
+    EXPECT_NEAR(windows[k].rotation_s, middle_s(windows[k]) - middle_s(windows[k - 1]), 0.03) << k;
+    // Noise of 0.0017 rad/s is a way of its own: 0.01 rad over six seconds.
+    EXPECT_NEAR(windows[k].rotation_path_rad, k == 1 ? 2.5 : 0.0, 0.03) << k;
+  }
+}
+
+TEST(RestDetector, AWayThatIsTooLongOrHasAHoleLinksNothing) {
+  const auto linked = [](double moving_s, bool hole) {
+    RestDetectorParams params;
+    params.rotation_max_s = 10.0;
+    test::Synthetic source(test::SensorTruth{}, 3);
+    RestDetector detector(params);
+    std::vector<Window> windows;
+    int row = 0;
+    const auto take = [&](RawSample s) {
+      if (hole && ++row == 450) s.has = kAcc | kMag;
+      if (auto w = detector.push(s, CalibrationSnapshot{})) windows.push_back(*w);
+    };
+    source.run(3.0, {}, take);
+    test::Motion turn;
+    turn.rate_radps = [](double) { return Vec3(0.6, -0.8, 0.0); };
+    source.run(moving_s, turn, take);
+    source.run(3.2, {}, take);
+    return windows.size() == 2 && windows.back().rotation_valid;
+  };
+  EXPECT_TRUE(linked(5.0, false));
+  EXPECT_FALSE(linked(5.0, true)) << "a gyroscope's reading is missing";
+  EXPECT_FALSE(linked(9.0, false)) << "two seconds of rest and nine of motion are more than ten";
+}
+
 /// A steady turn must never be learnt as bias: what is published may be off by 3 of its own sd and no more.
 TEST(RestDetector, SlowTurnsOfTenMinutesAreNotLearnt) {
   const Quat tilted(Eigen::AngleAxisd(0.9, Vec3(1, 2, 0.5).normalized()));

@@ -1,8 +1,7 @@
-// The magnetometer's part of OnlineCalibrator: soft iron, mounting and hard iron from turns (docs/math/field.md).
+#include "calib_online/mag_learner.h"
+
 #include <Eigen/Dense>
 #include <cmath>
-
-#include "calib_online/online_calibrator.h"
 
 namespace stillpoint::calib {
 namespace {
@@ -12,33 +11,34 @@ constexpr std::uint32_t kFewTurns = 30;
 
 }  // namespace
 
-bool OnlineCalibrator::absorb(const FieldTurn& t) noexcept {
-  const bool follows = s_.field_t_ns > 0 && t.t_end_ns > s_.field_t_ns;
-  if (follows) field_.predict(static_cast<double>(t.t_end_ns - s_.field_t_ns) * kSecondsPerNs);
-  s_.field_t_ns = t.t_end_ns;
+void MagLearner::restore(const State& s) noexcept {
+  field_.restore(s.field);
+  t_ns_ = s.t_ns;
+  published_ns_ = s.published_ns;
+}
+
+bool MagLearner::absorb(const FieldTurn& t, double gyr_matrix_sd) noexcept {
+  const bool follows = t_ns_ > 0 && t.t_end_ns > t_ns_;
+  if (follows) field_.predict(static_cast<double>(t.t_end_ns - t_ns_) * kSecondsPerNs);
+  t_ns_ = t.t_end_ns;
   const Quat q(t.q_before_after[0], t.q_before_after[1], t.q_before_after[2], t.q_before_after[3]);
-  const auto verdict = field_.update({.before_uT = factory_.mag.apply(t.before_uT, t.temp_degC),
-                                      .after_uT = factory_.mag.apply(t.after_uT, t.temp_degC),
+  const auto verdict = field_.update({.before_uT = factory_.apply(t.before_uT, t.temp_degC),
+                                      .after_uT = factory_.apply(t.after_uT, t.temp_degC),
                                       .R = q.toRotationMatrix(),
                                       .noise_uT2 = t.noise_uT2,
                                       .path_rad = t.path_rad,
                                       .time_s = t.time_s,
-                                      .gyr_matrix_sd = s_.gyr_matrix_sd});
-  const bool due = !follows || t.t_end_ns - s_.field_published_ns >= kPublish_ns;
+                                      .gyr_matrix_sd = gyr_matrix_sd});
+  const bool due = !follows || t.t_end_ns - published_ns_ >= kPublish_ns;
   if (!due && verdict != FieldFilter::Verdict::kBodyChanged) return false;
-  s_.field_published_ns = t.t_end_ns;
-  publish_mag();
-  name_fault(2);
-  ++snapshot_.version;
-  snapshot_.t_ns = t.t_end_ns;
+  published_ns_ = t.t_end_ns;
   return true;
 }
 
 /// The frame is the gyroscope's, which the turns between windows have brought into the accelerometer's.
-void OnlineCalibrator::publish_mag() noexcept {
+void MagLearner::publish(TriadCalibration& out) const noexcept {
   const FieldFilter::State& f = field_.state();
-  TriadCalibration& out = snapshot_.mag;
-  out = factory_.mag;
+  out = factory_;
   out.windows = f.pairs;
   // Half known is not published: what turns about one axis leave open, the place would fill in.
   const bool observable = field_.observable(), better = field_.better_than_factory();
@@ -50,15 +50,15 @@ void OnlineCalibrator::publish_mag() noexcept {
     return;
   }
   const Mat3 T = field_.matrix();
-  const Mat3 H_inv = mat(factory_.mag.matrix).inverse();
+  const Mat3 H_inv = mat(factory_.matrix).inverse();
   const Mat3 to_reading = H_inv * T.inverse();
   if (!to_reading.allFinite() || !(T.determinant() > 0.0)) {
     out.status = CalibrationStatus::kNotPositiveDefinite;
     return;
   }
   // u = T (H_f (y - b_f)) - c
-  out.matrix = array(Mat3(T * mat(factory_.mag.matrix)));
-  out.bias = array(Vec3(vec(factory_.mag.bias) + to_reading * field_.carried_uT()));
+  out.matrix = array(Mat3(T * mat(factory_.matrix)));
+  out.bias = array(Vec3(vec(factory_.bias) + to_reading * field_.carried_uT()));
   out.bias_covariance = array(Mat3(to_reading * field_.carried_covariance() * to_reading.transpose()));
   out.norm_sd = std::sqrt(field_.uncertainty().norm_uT2);
   out.status = CalibrationStatus::kOk;

@@ -1,0 +1,167 @@
+#include "calib_online/gyr_matrix_learner.h"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+
+#include "core/so3.h"
+#include "core/units.h"
+
+namespace stillpoint::calib {
+namespace {
+
+constexpr double kGate = 25.0;              // chi-square of three; beyond, a turn is refused
+constexpr double kLongestTurn_rad = 15.0;   // beyond, what is not in the matrix outweighs it
+constexpr double kLeastTurn_rad = 0.2;      // smaller turns say nothing of the matrix
+constexpr double kNonlinearity = 0.002;     // of a turn: what a constant matrix cannot describe
+constexpr double kWhite_radps_rtHz = 2e-4;  // a consumer gyro's 0.01 deg/s/sqrt(Hz)
+constexpr double kDirectionFloor = 0.002;   // rad, of a window's direction
+constexpr double kFactoryDirection = 0.03;  // rad, before the accelerometer is learnt
+constexpr double kMostCorrected_rad = 0.2;  // by a bias that became known on the way; beyond, it is no small angle
+constexpr double kRivalTimes = 10.0;        // of the prior's sd: a wrong range, another sensor
+constexpr double kPoor_rad = 0.012;         // of a turn, beside what the matrix does to it
+constexpr double kLatelyAtFirst =
+    100.0;                             // of another sensor: ten times the sd, until its turns have shown how they fit
+constexpr double kLatelyShare = 0.15;  // of a turn
+constexpr double kWhileRefused = 2.0;  // nats for the rival, for the stated deviation
+constexpr double kLeastNoise = 0.05;   // of the assumed variance
+constexpr std::uint32_t kTurnsNeeded = 4;
+constexpr std::uint32_t kRefusedToOpen = 2;  // in a row
+
+double squared(double v) { return v * v; }
+
+}  // namespace
+
+/// What one turn says: e = M (h - h_used) + noise.
+struct GyrMatrixLearner::Turn {
+  Vec3 u_before, u_after;
+  Mat3 R;  ///< v_before = R v_after
+  Mat39 J;
+  Mat3 H_used, rotation_cov;
+  double direction_var = 0.0;
+  double noise_scale = 1.0;
+  double bias_var = 0.0;  ///< rad^2, what the bias leaves of the way
+
+  [[nodiscard]] Fit by(const GyroMatrixFit& fit) const noexcept {
+    const Vec3 predicted = R.transpose() * u_before;
+    const Mat3 lever = skew(predicted);
+    const Mat39 M = lever * J;
+    const Vec3 e = u_after - predicted - M * (rows_of(fit.H) - rows_of(H_used));
+    const Mat3 S = M * fit.covariance * M.transpose() + 2.0 * direction_var * Mat3::Identity() +
+                   lever * rotation_cov * lever.transpose();
+    return {e.dot(S.inverse() * e), std::log(std::max(1e-300, S.determinant())), S.trace() / 3.0};
+  }
+  void add_to(GyroMatrixSums& sums) const noexcept {
+    sums.add_direction(u_before, u_after, R, J, H_used, direction_var, rotation_cov);
+  }
+};
+
+GyrMatrixLearner::GyrMatrixLearner(const GyroMatrixParams& params, const TriadCalibration& factory,
+                                   double bias_prior_sd_radps, double gravity_mps2)
+    : params_(params), factory_(factory), bias_prior_sd_radps_(bias_prior_sd_radps), gravity_mps2_(gravity_mps2) {}
+
+void GyrMatrixLearner::restore(const State& s) noexcept {
+  s_ = s;
+  rivalry_.restore(s.rivalry);
+  s_.has_previous = 0;  // where the body was before the restart says nothing of a turn since
+}
+
+GyroMatrixFit GyrMatrixLearner::fit(const GyroMatrixSums& sums, bool wide) const noexcept {
+  const double times = wide ? kRivalTimes : 1.0;
+  return solve(sums, mat(factory_.matrix), times * params_.scale_sd, times * params_.cross_sd);
+}
+
+bool GyrMatrixLearner::absorb(const Window& w, const CalibrationSnapshot& used) noexcept {
+  if ((w.has & kAcc) == 0 || w.refusal == Refusal::kNotGravity) return false;
+  Turn turn;
+  turn.u_after = used.acc.apply(w.acc_mps2, w.temp_degC).normalized();
+  turn.u_before = used.acc.apply(s_.previous_acc_mps2, s_.previous_temp_degC).normalized();
+  const bool had = s_.has_previous != 0;
+  s_.previous_acc_mps2 = w.acc_mps2;
+  s_.previous_temp_degC = w.temp_degC;
+  s_.has_previous = turn.u_after.allFinite() ? 1 : 0;
+  if (!had || !turn.u_after.allFinite() || !turn.u_before.allFinite() || !w.rotation_valid) return false;
+  if (w.rotation_path_rad < kLeastTurn_rad || w.rotation_path_rad > kLongestTurn_rad) return false;
+  const double known = used.acc.norm_sd > 0.0 ? used.acc.norm_sd / gravity_mps2_ : kFactoryDirection;
+  turn.noise_scale = s_.noise.variance_scale(kLeastNoise);
+  turn.direction_var = squared(known) + turn.noise_scale * squared(kDirectionFloor);
+  // The way was integrated with the bias that was known then.
+  const Mat3 J_bias = mat(w.d_rotation_d_bias);
+  const Vec3 late = J_bias * (used.gyr.bias_at(w.temp_degC) - vec(w.gyr_bias_used));
+  if (!(late.norm() < kMostCorrected_rad)) return false;
+  const Quat q(w.q_previous_this[0], w.q_previous_this[1], w.q_previous_this[2], w.q_previous_this[3]);
+  turn.R = (q * exp_quat(late)).toRotationMatrix();
+  const Mat3 bias_cov = used.gyr.bias_covariance[0] > 0.0 ? Mat3(mat(used.gyr.bias_covariance))
+                                                          : Mat3(squared(bias_prior_sd_radps_) * Mat3::Identity());
+  const Mat3 of_bias = J_bias * bias_cov * J_bias.transpose();
+  turn.bias_var = of_bias.trace() / 3.0;
+  turn.rotation_cov =
+      of_bias + turn.noise_scale *
+                    (squared(kWhite_radps_rtHz) * w.rotation_s + squared(kNonlinearity * w.rotation_path_rad)) *
+                    Mat3::Identity();
+  turn.J = Eigen::Map<const Mat39>(w.d_rotation_d_matrix.data());
+  turn.H_used = mat(w.gyr_matrix_used);
+  learn(turn);
+  return true;
+}
+
+/// Every turn speaks; about which axis is what a turn about another does not repeat.
+void GyrMatrixLearner::learn(const Turn& turn) noexcept {
+  const Fit published = turn.by(fit(s_.published, s_.wide != 0));
+  const bool refused = published.chi2 > kGate;
+  s_.in_a_row = refused ? s_.in_a_row + 1 : 0;
+  const Vec3 axis = turn.R.transpose() * turn.u_before;
+  // Neither bias nor directions are known well enough for a verdict.
+  const bool poor = turn.bias_var + turn.direction_var > squared(kPoor_rad);
+  // A fit that is refused shows at once, one that is good again by and by.
+  const double fits = published.chi2 / 3.0;
+  if (!poor) s_.lately = refused ? std::max(s_.lately, fits) : s_.lately + kLatelyShare * (fits - s_.lately);
+  if (!poor && !refused) s_.noise.see(published.chi2 * turn.noise_scale, 3.0);
+  if (poor) {
+    if (!refused) turn.add_to(s_.published);
+    if (rivalry_.is_open()) turn.add_to(s_.rival);
+    return;
+  }
+  if (rivalry_.is_open()) {
+    rivalry_.add_vote(Rivalry::vote(published, turn.by(fit(s_.rival, true))), axis);
+    if (rivalry_.verdict(kTurnsNeeded) == Rivalry::Verdict::kPublishedStays) rivalry_.close();
+  } else if (refused && s_.in_a_row >= kRefusedToOpen) {
+    s_.rival = {};
+    rivalry_.open(axis);
+  }
+  if (refused)
+    ++s_.refused;
+  else
+    turn.add_to(s_.published);
+  if (rivalry_.is_open()) turn.add_to(s_.rival);
+  if (rivalry_.verdict(kTurnsNeeded) == Rivalry::Verdict::kRivalWins) {
+    s_.published = s_.rival;
+    s_.lately = 1.0;
+    s_.wide = 1;
+    rivalry_.close();
+  }
+  s_.rivalry = rivalry_.state();
+}
+
+void GyrMatrixLearner::sensor_replaced() noexcept {
+  s_.lately = std::max(s_.lately, kLatelyAtFirst);
+  if (rivalry_.is_open()) return;
+  s_.rival = {};
+  rivalry_.open(Vec3::UnitZ());
+  s_.rivalry = rivalry_.state();
+}
+
+bool GyrMatrixLearner::publish(TriadCalibration& gyr) noexcept {
+  const GyroMatrixFit published = fit(s_.published, s_.wide != 0);
+  if (published.status != FitStatus::kOk) return false;
+  double variance = std::max(1.0, s_.lately) * published.covariance.trace() / 9.0;
+  if (const double weight = rivalry_.weight(s_.in_a_row > 0 ? kWhileRefused : 0.0); weight > 0.0) {
+    const GyroMatrixFit rival = fit(s_.rival, true);
+    variance += weight * (rival.covariance.trace() + (rival.H - published.H).squaredNorm()) / 9.0;
+  }
+  sd_ = std::sqrt(variance);
+  gyr.matrix = s_.published.segments > 0 ? array(published.H) : factory_.matrix;
+  return true;
+}
+
+}  // namespace stillpoint::calib

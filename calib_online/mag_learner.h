@@ -1,0 +1,32 @@
+/// The magnetometer's soft iron, mounting and hard iron from turns of the field (docs/math/field.md).
+#pragma once
+#include "calib_online/field_filter.h"
+#include "calib_online/field_turns.h"
+#include "core/calibration.h"
+
+namespace stillpoint::calib {
+
+class MagLearner {
+ public:
+  struct State {
+    FieldFilter::State field{};
+    std::int64_t t_ns = 0, published_ns = 0;
+  };
+
+  MagLearner(const FieldFilterParams& params, const TriadCalibration& factory) : factory_(factory), field_(params) {}
+
+  /// True: it is time to publish.
+  bool absorb(const FieldTurn& t, double gyr_matrix_sd) noexcept;
+  void publish(TriadCalibration& out) const noexcept;
+
+  [[nodiscard]] std::uint32_t turns() const noexcept { return field_.state().pairs; }
+  [[nodiscard]] State state() const noexcept { return {field_.state(), t_ns_, published_ns_}; }
+  void restore(const State& s) noexcept;
+
+ private:
+  TriadCalibration factory_;
+  FieldFilter field_;
+  std::int64_t t_ns_ = 0, published_ns_ = 0;
+};
+
+}  // namespace stillpoint::calib
