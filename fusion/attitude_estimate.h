@@ -4,25 +4,12 @@
 #include <cstdint>
 #include <type_traits>
 
+#include "core/attitude_status.h"
 #include "core/types.h"
 
 namespace stillpoint::fusion {
 
 using Array4 = std::array<double, 4>;
-
-/// What the heading is measured against.
-enum class HeadingReference : std::uint8_t {
-  kRelative,   ///< no magnetometer so far: heading counts from the initial heading and drifts with the gyro
-  kMagnetic,   ///< the magnetometer is trusted: heading counts from east, declination applied
-  kDisturbed,  ///< a magnetometer is there, but its field is not the reference field: the gyro carries the heading
-};
-
-enum class AttitudeStatus : std::uint8_t {
-  kWaiting,  ///< no accelerometer reading yet: the attitude is the identity with a covariance of pi^2
-  kOk,
-  kDegraded,  ///< a part is missing, clipped or stuck, or the sample came after a gap: see the covariance
-  kRefused,   ///< this sample was not used at all: its time did not advance or none of its parts was usable
-};
 
 /// World frame ENU, body frame x forward, y left, z up (in_ned() converts). Always a unit quaternion, always finite.
 struct AttitudeEstimate {
@@ -37,7 +24,8 @@ struct AttitudeEstimate {
   Array3 gyro_bias_sd_radps{};
   bool at_rest = false;
   HeadingReference heading = HeadingReference::kRelative;
-  AttitudeStatus status = AttitudeStatus::kWaiting;
+  AttitudeStatus status = AttitudeStatus::kInitializing;  ///< never kStale: that is for the clock to say
+  bool refused = false;  ///< not used at all: its time did not advance or none of its parts was usable
 };
 
 static_assert(std::is_trivially_copyable_v<AttitudeEstimate>);

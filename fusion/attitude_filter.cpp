@@ -7,30 +7,27 @@
 #include "core/so3.h"
 #include "core/units.h"
 #include "fusion/attitude_storage.h"
+#include "fusion/attitude_unknown.h"
 
 namespace stillpoint::fusion {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
-constexpr double kLongestStep_s = 0.5;      ///< over a longer gap the last rate says nothing
-constexpr double kUnknownRate_radps = 2.0;  ///< rate of a body whose gyroscope is absent: moved by hand
-constexpr double kUnknownRate_time_s = 0.2;
-constexpr double kUnknownForce_mps2 = 5.0;  ///< acceleration while the accelerometer is absent
 constexpr double kLargestRate_radps = 1e3;  ///< beyond these a reading is a fault, not a measurement
 constexpr double kLargestForce_mps2 = 2e3;
 constexpr double kLargestField_uT = 1e5;
-constexpr double kStartTilt_rad = 0.1;     ///< the first reading may hold 1 m/s^2 of motion
+constexpr double kBlow_s = 0.1;            ///< how long a clipped peak lasts
 constexpr double kStuck_s = 1.0;           ///< noise changes a living reading long before
 constexpr double kMagneticMemory_s = 2.0;  ///< a heading trusted this long ago still counts as magnetic
+constexpr double kNoMagnetometer_s = 1.0;  ///< after this long without a reading there is none
 
 bool usable(const CalibratedSample& s, SamplePart part, const Array3& reading, double limit) {
   return s.holds(part) && vec(reading).allFinite() && vec(reading).cwiseAbs().maxCoeff() < limit;
 }
 
-/// Variance that a step without gyroscope adds to the rotation, and one without accelerometer to the velocity.
-double unknown_turn2(double dt_s) { return kUnknownRate_radps * kUnknownRate_radps * 2.0 * kUnknownRate_time_s * dt_s; }
-double unknown_speed2(double dt_s) {
-  return kUnknownForce_mps2 * kUnknownForce_mps2 * 2.0 * kUnknownRate_time_s * dt_s;
+/// A vector of the body as it was before that turn, in axes of the body now.
+Vec3 turned_back(const Vec3& v, const Array3& turn_rad) {
+  return turn_rad == Array3{} ? v : Vec3(exp_quat(Vec3(-vec(turn_rad))) * v);
 }
 
 }  // namespace
@@ -40,8 +37,19 @@ AttitudeFilter::AttitudeFilter(const AttitudeFilterParams& params) noexcept : pa
 void AttitudeFilter::reset(std::optional<double> heading_rad) noexcept {
   s_ = State{};
   s_.hard_iron.reset(params_.hard_iron);
+  s_.acc_matrix_sd = params_.acc_matrix_sd;
   s_.heading_given = heading_rad.has_value() && std::isfinite(*heading_rad);
   if (s_.heading_given) s_.start_heading_rad = wrapped(*heading_rad);
+}
+
+void AttitudeFilter::turn_back() noexcept {
+  for (Array3* x : {&s_.x.velocity_mps, &s_.x.gyr_bias_radps, &s_.rate_radps}) vec(*x) *= -1.0;
+  s_.error.turn_back();
+  s_.motion_scale.turn_back();
+  s_.rate_bridge.interrupt();
+  s_.sums = Sums{};
+  s_.clock_started = false;
+  params_.acc_lag_s *= -1.0;
 }
 
 AttitudeEstimate AttitudeFilter::step(const CalibratedSample& sample, bool at_rest) noexcept {
@@ -49,28 +57,35 @@ AttitudeEstimate AttitudeFilter::step(const CalibratedSample& sample, bool at_re
   const bool gyr = usable(sample, kGyr, sample.gyr_radps, kLargestRate_radps);
   const double dt_s = kSecondsPerNs * static_cast<double>(sample.t_ns - s_.t_ns);
   if (s_.clock_started && !(sample.t_ns > s_.t_ns)) {
-    s_.status = s_.has_attitude ? AttitudeStatus::kRefused : AttitudeStatus::kWaiting;
-    return estimate(s_.t_ns);
+    AttitudeEstimate last = estimate(s_.t_ns);
+    last.refused = s_.has_attitude;
+    return last;
   }
   s_.t_ns = sample.t_ns;
   const bool first = !s_.clock_started;
   s_.clock_started = true;
   if (sample.holds(kTemp) && std::isfinite(sample.temp_degC)) s_.temp_degC = sample.temp_degC;
-  if (!s_.has_attitude) {
-    if (acc) start_from(vec(sample.acc_mps2));
-    if (!s_.has_attitude || first) {
-      gather_field(sample);
-      return estimate(sample.t_ns);
-    }
+  if (!s_.has_attitude && acc) start_from(vec(sample.acc_mps2));
+  if (!s_.has_attitude || first) {
+    gather_field(sample);
+    return estimate(sample.t_ns);
   }
   s_.at_rest = at_rest;
+  s_.age_s += dt_s;
+  const bool pause = s_.rate_bridge.is_pause(dt_s);
+  s_.rate_bridge.note_step(dt_s);
   judge(sample, acc, gyr, dt_s);
-  turn(sample, gyr, dt_s);
-  accelerate(sample, acc, dt_s);
+  if (pause) {
+    bridge(sample, gyr, acc, dt_s);
+    if (!s_.regained) s_.status = AttitudeStatus::kDegraded;
+  } else {
+    turn(sample, gyr, dt_s);
+    accelerate(sample, acc, dt_s);
+  }
   gather_field(sample);
   s_.sums.motion.time_s += dt_s;
   s_.sums.moved |= !at_rest;
-  if (s_.sums.motion.time_s >= params_.update_period_s) covariance_step();
+  if (pause || s_.sums.motion.time_s >= params_.update_period_s) covariance_step();
   return estimate(sample.t_ns);
 }
 
@@ -79,43 +94,21 @@ void AttitudeFilter::set_attitude(const Quat& q_world_body) noexcept {
   mat(s_.R_world_body) = quat(s_.x.q_world_body).toRotationMatrix();
 }
 
-void AttitudeFilter::start_from(const Vec3& acc_mps2) noexcept {
-  if (acc_mps2.norm() < 0.1 * kStandardGravity_mps2) return;  // falling: there is no down
-  const Quat tilt = Quat::FromTwoVectors(acc_mps2, Vec3::UnitZ());
-  const Quat turn_to_heading(Eigen::AngleAxisd(s_.start_heading_rad - heading_of(tilt), Vec3::UnitZ()));
-  set_attitude(turn_to_heading * tilt);
-  // What motion adds to gravity along the reading it adds across it too, where it tilts.
-  s_.start_tilt_rad =
-      kStartTilt_rad + std::min(1.0, std::abs(acc_mps2.norm() - kStandardGravity_mps2) / kStandardGravity_mps2);
-  start_errors();
-  s_.has_attitude = true;
-  s_.status = AttitudeStatus::kOk;
-}
-
-void AttitudeFilter::start_errors() noexcept {
-  ErrorVector sd = ErrorVector::Zero();
-  sd.segment<2>(kTheta).setConstant(s_.start_tilt_rad);
-  sd(kTheta + 2) = s_.heading_given ? kStartTilt_rad : 0.0;
-  sd.segment<3>(kVelocity).setConstant(params_.motion_speed_mps);
-  sd.segment<3>(kGyrBias).setConstant(params_.gyr_bias_sd_radps);
-  sd.segment<3>(kAccBias).setConstant(params_.acc_bias_sd_mps2);
-  sd.segment<9>(kGyrMatrix).setConstant(params_.gyr_matrix_sd);
-  sd(kDisturbance) = params_.heading_disturbance_rad;
-  s_.error.start(sd);
-}
-
 void AttitudeFilter::judge(const CalibratedSample& sample, bool acc, bool gyr, double dt_s) noexcept {
   if (acc) s_.acc_repeats.note(sample.acc_mps2, dt_s);
   if (gyr) s_.gyr_repeats.note(sample.gyr_radps, dt_s);
+  if (gyr) s_.gyr_line.note(sample.gyr_radps, dt_s);
   const bool acc_stuck = s_.acc_repeats.time_s > kStuck_s;
   const bool gyr_stuck = s_.gyr_repeats.time_s > kStuck_s;
   // Both unchanged is a simulation without noise at rest; one unchanged beside a living one is stuck. Its reading may
   // still be true, so it serves on, with the noise of an absent one.
-  if (gyr_stuck && acc && !acc_stuck) {
+  const bool drawn = gyr && s_.gyr_line.drawn();  // its own time is unknown
+  if (drawn || (gyr_stuck && acc && !acc_stuck)) {
     mat(s_.sums.theta_rad2).diagonal().array() += unknown_turn2(dt_s);
   }
-  if (acc_stuck && gyr && !gyr_stuck) s_.sums.velocity_m2ps2 += unknown_speed2(dt_s);
-  const bool whole = acc && gyr && acc_stuck == gyr_stuck && sample.clipped == 0 && dt_s < kLongestStep_s;
+  if (acc_stuck && gyr && !gyr_stuck) mat(s_.sums.velocity_m2ps2).diagonal().array() += unknown_speed2(dt_s);
+  const bool acc_there = acc || (!sample.holds(kAcc) && (sample.absent & kAcc) == 0);
+  const bool whole = acc_there && gyr && acc_stuck == gyr_stuck && !drawn && sample.clipped == 0 && s_.regained;
   s_.status = whole ? AttitudeStatus::kOk : AttitudeStatus::kDegraded;
 }
 
@@ -132,17 +125,12 @@ void AttitudeFilter::turn(const CalibratedSample& sample, bool usable_reading, d
   } else {
     noise2 += unknown_turn2(dt_s);
   }
-  if (dt_s > kLongestStep_s) {
-    vec(s_.rate_radps) *= usable_reading ? 1.0 : 0.0;
-    noise2 += unknown_turn2(dt_s);
-  }
-  const double turned_s = std::min(dt_s, kLongestStep_s);
   const Vec3 rate = vec(s_.rate_radps);
   const auto R = mat(s_.R_world_body);
-  vec(s_.sums.rate_radps_s) += rate * turned_s;
+  vec(s_.sums.rate_radps_s) += rate * dt_s;
   mat(s_.sums.motion.R) += R * dt_s;
   for (std::size_t j = 0; j < 3; ++j) {
-    mat(s_.sums.motion.R_rate[j]) += R * (raw(static_cast<int>(j)) * turned_s);
+    mat(s_.sums.motion.R_rate[j]) += R * (raw(static_cast<int>(j)) * dt_s);
   }
   mat(s_.sums.theta_rad2).diagonal().array() += noise2;
   if (usable_reading && (sample.clipped & kGyr) != 0) {
@@ -152,22 +140,36 @@ void AttitudeFilter::turn(const CalibratedSample& sample, bool usable_reading, d
     const Vec3 about = R.col(axis) * (0.3 * peak);
     mat(s_.sums.theta_rad2) += about * about.transpose() * (0.1 * dt_s);
   }
-  set_attitude(quat(s_.x.q_world_body) * exp_quat(rate * turned_s));
+  set_attitude(quat(s_.x.q_world_body) * exp_quat(rate * dt_s));
 }
 
 void AttitudeFilter::accelerate(const CalibratedSample& sample, bool usable_reading, double dt_s) noexcept {
-  if (!usable_reading || dt_s > kLongestStep_s) {
-    s_.sums.velocity_m2ps2 += unknown_speed2(dt_s);
+  // One that only speaks more rarely than the gyroscope is held; in the world, where the body's turning is no change.
+  const bool held = !usable_reading && !sample.holds(kAcc) && (sample.absent & kAcc) == 0 && s_.acc_heard;
+  if (!usable_reading && !held) {
+    mat(s_.sums.velocity_m2ps2).diagonal().array() += unknown_speed2(dt_s);
     return;
   }
-  const Vec3 force = mat(s_.R_world_body) * (vec(sample.acc_mps2) - vec(s_.x.acc_bias_mps2));
+  if (usable_reading) {
+    s_.acc_heard = true;
+    Array3 turn_rad = sample.acc_turn_rad;
+    if (params_.acc_lag_s != 0.0) vec(turn_rad) += params_.acc_lag_s * vec(s_.rate_radps);
+    vec(s_.force_world_mps2) =
+        mat(s_.R_world_body) * turned_back(vec(sample.acc_mps2) - vec(s_.x.acc_bias_mps2), turn_rad);
+  }
+  const Vec3 force = vec(s_.force_world_mps2);
   vec(s_.sums.motion.force) += force * dt_s;
   const Vec3 before = vec(s_.x.velocity_mps);
   vec(s_.x.velocity_mps) += (force - Vec3(0, 0, kStandardGravity_mps2)) * dt_s;
   vec(s_.x.position_m) += 0.5 * dt_s * (before + vec(s_.x.velocity_mps));
-  const double clipped_mps2 = (sample.clipped & kAcc) != 0 ? 0.3 * vec(sample.acc_mps2).norm() : 0.0;
-  s_.sums.velocity_m2ps2 +=
-      (params_.acc_noise_mps2_rtHz * params_.acc_noise_mps2_rtHz + 0.1 * clipped_mps2 * clipped_mps2) * dt_s;
+  auto noise = mat(s_.sums.velocity_m2ps2);
+  noise.diagonal().array() += params_.acc_noise_mps2_rtHz * params_.acc_noise_mps2_rtHz * dt_s;
+  if ((sample.clipped & kAcc) == 0) return;
+  // (A9) What the rail cut off has the direction of the axis at it: half as much again, for as long as a blow lasts.
+  int axis = 0;
+  const double peak = vec(sample.acc_mps2).cwiseAbs().maxCoeff(&axis);
+  const Vec3 along = mat(s_.R_world_body).col(axis) * (0.5 * peak);
+  noise += along * along.transpose() * (kBlow_s * dt_s);
 }
 
 void AttitudeFilter::gather_field(const CalibratedSample& sample) noexcept {
@@ -177,7 +179,8 @@ void AttitudeFilter::gather_field(const CalibratedSample& sample) noexcept {
   s_.magnetometer_seen = true;
   s_.last_field_uT = sample.mag_uT;
   if ((sample.clipped & kMag) != 0 || !s_.has_attitude) return;
-  const auto R = mat(s_.R_world_body);
+  Mat3 R = mat(s_.R_world_body);
+  if (sample.mag_turn_rad != Array3{}) R = R * exp_so3(Vec3(-vec(sample.mag_turn_rad)));
   vec(s_.sums.field_uT) += R * vec(sample.mag_uT);
   mat(s_.sums.field_R) += R;
   ++s_.sums.fields;
@@ -198,7 +201,9 @@ void AttitudeFilter::covariance_step() noexcept {
   if (!s_.sums.moved) measure_rest(time_s);
   if (s_.sums.moved) s_.unmagnetic_s += time_s;  // at rest nothing turns, so the last heading serves
   if (s_.sums.fields > 0) measure_field(time_s);
+  s_.rate_bridge.observe(vec(s_.sums.rate_radps_s) / time_s, time_s);
   inject();
+  s_.regained |= s_.error.P()(kTheta, kTheta) + s_.error.P()(kTheta + 1, kTheta + 1) < kRegained_rad * kRegained_rad;
   mat(s_.iron_rad2) = s_.error.iron_rad2(s_.hard_iron.left_uT2(params_.hard_iron));
   s_.sums = Sums{};
 }
@@ -209,9 +214,12 @@ void AttitudeFilter::inject() noexcept {
     start_errors();  // overflow: keep the attitude, forget what was known of its error
     return;
   }
-  set_attitude(exp_quat(d.segment<3>(kTheta)) * quat(s_.x.q_world_body));
-  vec(s_.x.velocity_mps) += d.segment<3>(kVelocity);
-  vec(s_.x.position_m) += d.segment<3>(kPosition);
+  const Quat correction = exp_quat(d.segment<3>(kTheta));
+  set_attitude(correction * quat(s_.x.q_world_body));
+  s_.iron_finder.turn_world(correction.toRotationMatrix());
+  const Mat3 heading = exp_so3(Vec3(0.0, 0.0, d(kTheta + 2)));
+  vec(s_.x.velocity_mps) = heading * vec(s_.x.velocity_mps) + d.segment<3>(kVelocity);
+  vec(s_.x.position_m) = heading * vec(s_.x.position_m) + d.segment<3>(kPosition);
   vec(s_.x.gyr_bias_radps) += d.segment<3>(kGyrBias);
   vec(s_.x.acc_bias_mps2) += d.segment<3>(kAccBias);
   Eigen::Map<Eigen::Matrix<double, 9, 1>>(s_.x.gyr_matrix.data()) += d.segment<9>(kGyrMatrix);
@@ -230,6 +238,8 @@ AttitudeEstimate AttitudeFilter::estimate(std::int64_t t_ns) const noexcept {
       out.q_world_body = array(quat(s_.x.q_world_body) * exp_quat(params_.prediction_s * vec(s_.rate_radps)));
     }
     cov = s_.error.P().block<3, 3>(kTheta, kTheta) + mat(s_.iron_rad2) + mat(s_.sums.theta_rad2);
+    cov.topLeftCorner<2, 2>().diagonal().array() += s_.acc_matrix_sd * s_.acc_matrix_sd;
+    if (heading_unknown()) cov(2, 2) += kUnknownHeading_rad2;
     for (int i = 0; i < 3; ++i) {
       out.gyro_bias_sd_radps[static_cast<std::size_t>(i)] =
           std::sqrt(std::max(0.0, s_.error.P()(kGyrBias + i, kGyrBias + i)));
@@ -244,9 +254,16 @@ AttitudeEstimate AttitudeFilter::estimate(std::int64_t t_ns) const noexcept {
   out.sigma_pitch_rad = std::sqrt(std::max(0.0, across.dot(cov * across)));
   out.sigma_yaw_rad = std::sqrt(std::max(0.0, cov(2, 2)));
   if (s_.magnetic_s > 0.0) {
-    out.heading = s_.unmagnetic_s < kMagneticMemory_s ? HeadingReference::kMagnetic : HeadingReference::kDisturbed;
+    const auto trusted = params_.declination_rad != 0.0 ? HeadingReference::kTrue : HeadingReference::kMagnetic;
+    out.heading = s_.unmagnetic_s < kMagneticMemory_s ? trusted : HeadingReference::kDisturbed;
   }
   return out;
+}
+
+/// Between a magnetometer's first word and the first heading that can be trusted.
+bool AttitudeFilter::heading_unknown() const noexcept {
+  return params_.use_magnetometer && !s_.heading_given && s_.magnetic_s == 0.0 &&
+         (s_.magnetometer_seen || s_.age_s < kNoMagnetometer_s);
 }
 
 void AttitudeFilter::rebase(const CalibrationSnapshot& from, const CalibrationSnapshot& to) noexcept {
@@ -257,6 +274,8 @@ void AttitudeFilter::rebase(const CalibrationSnapshot& from, const CalibrationSn
     c = mat(is.matrix) * (was.bias_at(s_.temp_degC) - is.bias_at(s_.temp_degC));
     return K.allFinite() && c.allFinite() && std::abs(K.determinant()) > 1e-6;
   };
+  if (to.acc.status == CalibrationStatus::kOk && to.acc.norm_sd > 0.0)
+    s_.acc_matrix_sd = std::min(params_.acc_matrix_sd, to.acc.norm_sd / kStandardGravity_mps2);
   Mat3 K;
   Vec3 c;
   if (change(from.gyr, to.gyr, K, c)) {
@@ -271,6 +290,7 @@ void AttitudeFilter::rebase(const CalibrationSnapshot& from, const CalibrationSn
     if (to.mag.status == CalibrationStatus::kOk && mat(to.mag.bias_covariance).trace() > 0.0)
       calibrated_uT2 = mat(to.mag.matrix) * mat(to.mag.bias_covariance) * mat(to.mag.matrix).transpose();
     s_.hard_iron.rebase(K, c, calibrated_uT2);
+    s_.iron_finder.rebase(K, c);
     s_.field.rescale(std::cbrt(std::abs(K.determinant())));
     s_.error.by_iron().leftCols<3>() *= K.inverse();
     s_.error.change_iron(s_.hard_iron.body_uT(params_.hard_iron) - before);

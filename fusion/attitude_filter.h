@@ -14,7 +14,11 @@
 #include "fusion/error_state.h"
 #include "fusion/field_reference.h"
 #include "fusion/hard_iron.h"
+#include "fusion/heading_reading.h"
+#include "fusion/iron_finder.h"
 #include "fusion/motion_scale.h"
+#include "fusion/rate_bridge.h"
+#include "fusion/straight_line.h"
 
 namespace stillpoint::fusion {
 
@@ -22,14 +26,15 @@ namespace stillpoint::fusion {
 struct AttitudeFilterParams {
   double gyr_noise_radps_rtHz = 2e-4;
   double gyr_rate_noise_rtHz = 1e-3;
-  double gyr_bias_sd_radps = 0.01;
+  double gyr_bias_sd_radps = 0.05;
   double gyr_bias_walk_radps_rtHz = 1e-4;
   double gyr_matrix_sd = 0.004;
   double acc_noise_mps2_rtHz = 0.03;
-  double acc_bias_sd_mps2 = 0.01;
+  double acc_bias_sd_mps2 = 0.1;
   double acc_bias_walk_mps2_rtHz = 1e-4;
-  double motion_speed_mps = 0.5;
-  double motion_radius_m = 0.5;
+  double acc_matrix_sd = 0.01;
+  double motion_speed_mps = 1.0;
+  double motion_radius_m = 10.0;
   double motion_time_s = 0.5;
   double rest_speed_mps = 0.005;
   double rest_rate_radps = 0.001;
@@ -44,6 +49,7 @@ struct AttitudeFilterParams {
   HardIronParams hard_iron;
   double declination_rad = 0.0;
   double prediction_s = 0.0;
+  double acc_lag_s = 0.0;
   double update_period_s = 0.05;
 
   static constexpr auto fields() {
@@ -64,9 +70,14 @@ struct AttitudeFilterParams {
         field("acc_bias_sd_mps2", &P::acc_bias_sd_mps2, in_range(0.0, 5.0),
               "accelerometer bias that the calibration may have left at the start"),
         field("acc_bias_walk_mps2_rtHz", &P::acc_bias_walk_mps2_rtHz, in_range(0.0, 1.0), "random walk of that bias"),
+        field(
+            "acc_matrix_sd", &P::acc_matrix_sd, in_range(0.0, 0.1),
+            "scale and misalignment error of an accelerometer that nobody has calibrated: it leans the attitude by as "
+            "much; a calibration that was learnt states its own"),
         field("motion_speed_mps", &P::motion_speed_mps, in_range(1e-3, 1e4),
-              "typical speed about the mean position, of a hand 0.5; a body that is faster is found out"),
-        field("motion_radius_m", &P::motion_radius_m, in_range(1e-3, 1e6), "typical distance from the mean position"),
+              "typical speed, of a hand or a walk 1; a body that is faster is found out"),
+        field("motion_radius_m", &P::motion_radius_m, in_range(1e-3, 1e6),
+              "typical distance from the mean position: a room"),
         field("motion_time_s", &P::motion_time_s, in_range(1e-2, 1e4), "time after which the motion is another one"),
         field("rest_speed_mps", &P::rest_speed_mps, in_range(1e-5, 1.0), "speed that is still called rest"),
         field("rest_rate_radps", &P::rest_rate_radps, in_range(1e-6, 0.1), "turn rate that is still called rest"),
@@ -89,6 +100,8 @@ struct AttitudeFilterParams {
               "angle from true north to magnetic north, positive when magnetic north lies east"),
         field("prediction_s", &P::prediction_s, in_range(0.0, 0.1),
               "fixed latency to make up for: the published attitude is turned on by rate times this; 0: off"),
+        field("acc_lag_s", &P::acc_lag_s, in_range(-0.1, 0.1),
+              "the accelerometer's readings are this much older than the gyroscope's of the same stamp"),
         field("update_period_s", &P::update_period_s, in_range(1e-4, 1.0),
               "the covariance runs at this period, the attitude at every sample")};
   }
@@ -111,6 +124,10 @@ class AttitudeFilter {
   /// forces stay what they were and no rest evidence counts twice; only a change with temperature passes through.
   void rebase(const CalibrationSnapshot& from, const CalibrationSnapshot& to) noexcept;
 
+  /// From here on samples come in the reverse order, with rates negated and a clock of their own that goes forward.
+  /// What was learnt of the sensor and of the attitude serves on.
+  void turn_back() noexcept;
+
   [[nodiscard]] const AttitudeFilterParams& params() const noexcept { return params_; }
   /// The uncertainty of everything estimated, for tests and diagnosis.
   [[nodiscard]] const ErrorState& error_state() const noexcept { return s_.error; }
@@ -125,11 +142,11 @@ class AttitudeFilter {
   };
   struct Sums {  ///< over the samples since the last covariance step
     MotionSums motion;
-    Array9 theta_rad2{};  ///< noise of the rotation, world axes
-    double velocity_m2ps2 = 0.0;
-    Array3 rate_radps_s{};  ///< integral of the corrected rate
-    Array3 field_uT{};      ///< sum of the readings in world axes
-    Array9 field_R{};       ///< sum of R_world_body at these readings
+    Array9 theta_rad2{};      ///< noise of the rotation, world axes
+    Array9 velocity_m2ps2{};  ///< noise of the velocity, world axes
+    Array3 rate_radps_s{};    ///< integral of the corrected rate
+    Array3 field_uT{};        ///< sum of the readings in world axes
+    Array9 field_R{};         ///< sum of R_world_body at these readings
     int fields = 0;
     bool moved = false;  ///< the rest detector said so at least once
   };
@@ -146,27 +163,37 @@ class AttitudeFilter {
     ErrorState error;
     FieldReference field;
     HardIron hard_iron;
+    IronFinder iron_finder;
     MotionScale motion_scale;
+    RateBridge rate_bridge;
     Sums sums;
     std::int64_t t_ns = 0;
     Array9 R_world_body{1, 0, 0, 0, 1, 0, 0, 0, 1};  ///< of x.q_world_body
     Array3 rate_radps{};                             ///< last corrected rate, for bridging
+    Array3 force_world_mps2{};                       ///< last one, for bridging
     Array3 last_field_uT{};                          ///< last reading, to tell a held value from a new one
     Array9 iron_rad2{};  ///< what an untrue hard iron may have done to the attitude, world axes
     Repetition acc_repeats, gyr_repeats;
+    StraightLine gyr_line;
     double temp_degC = 25.0;
     double start_heading_rad = 0.0;
     double start_tilt_rad = 0.1;  ///< standard deviation
+    double acc_matrix_sd = 0.01;  ///< of the calibration in force
     double magnetic_s = 0.0;      ///< time of trusted magnetic heading so far
     double unmagnetic_s = 1e9;    ///< time since the last trusted one
     double rest_doubt_s = 0.0;    ///< for this long the rest detector is not believed
+    double rest_denied_s = 0.0;   ///< for this long the gyroscope has denied it
+    double lean_s = 0.0;          ///< for this long gravity at rest has denied the tilt
     double heading_stress = 0.0;  ///< signed mean square of the normalised heading innovation
+    double age_s = 0.0;
     bool heading_given = false;
     bool clock_started = false;
     bool has_attitude = false;
+    bool acc_heard = false;
     bool magnetometer_seen = false;
     bool at_rest = false;
-    AttitudeStatus status = AttitudeStatus::kWaiting;
+    bool regained = true;  ///< since the last gap
+    AttitudeStatus status = AttitudeStatus::kInitializing;
   };
 
   void set_attitude(const Quat& q_world_body) noexcept;
@@ -174,20 +201,19 @@ class AttitudeFilter {
   void start_errors() noexcept;
   void judge(const CalibratedSample& sample, bool acc, bool gyr, double dt_s) noexcept;
   void turn(const CalibratedSample& sample, bool usable, double dt_s) noexcept;
+  void bridge(const CalibratedSample& sample, bool gyr, bool acc, double dt_s) noexcept;
   void accelerate(const CalibratedSample& sample, bool usable, double dt_s) noexcept;
   void gather_field(const CalibratedSample& sample) noexcept;
   void covariance_step() noexcept;
   void measure_motion(double time_s) noexcept;
   void measure_rest(double time_s) noexcept;
+  void relearn_bias(const Vec3& rate_radps) noexcept;
+  void doubt_motion(double time_s, double rest_speed2) noexcept;
+  void doubt_tilt(double time_s) noexcept;
   void measure_field(double time_s) noexcept;
-  /// One magnetic heading against the filter's, and what it hangs on.
-  struct HeadingReading {
-    double error_rad = 0.0;
-    Eigen::Vector2d lean = Eigen::Vector2d::Zero();  ///< by the tilt about east and north
-    Vec3 iron = Vec3::Zero();                        ///< by the error of the hard iron, rad/uT
-    double field_variance_rad2 = 0.0;                ///< by the visible part of a disturbance
-  };
   void start_heading(const HeadingReading& reading) noexcept;
+  void follow_iron(const Vec3& seen, const Mat3& R_mean, double time_s) noexcept;
+  [[nodiscard]] bool heading_unknown() const noexcept;
   void measure_heading(const HeadingReading& reading, double time_s) noexcept;
   void inject() noexcept;
   [[nodiscard]] AttitudeEstimate estimate(std::int64_t t_ns) const noexcept;

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/units.h"
 #include "fusion/attitude_filter.h"
 #include "fusion/attitude_storage.h"
 
@@ -11,15 +12,23 @@ namespace {
 constexpr double kPi = std::numbers::pi;
 constexpr double kRestSurprise = 16.0;  ///< of a chi-square of three: one in a thousand at true rest
 constexpr double kRestDoubt_s = 1.0;    ///< the rest detector has seen the motion by then
+constexpr double kRestInsists_s = 3.0;  ///< the detector's own windows are shorter
+constexpr double kRestLean = 6.0;       ///< mean of a chi-square of two: one in four hundred
 constexpr double kKnownTilt_rad = 0.05;
+constexpr double kLongUntrusted_s = 30.0;
+constexpr double kAnotherHeading = 9.0;   ///< of a chi-square of one
+constexpr double kLostHeading_rad = 0.6;  ///< the field is asked anew, without weighing it against what was
 
 }  // namespace
 
 void AttitudeFilter::measure_motion(double time_s) noexcept {
   const auto& P = s_.error.P();
-  s_.motion_scale.observe({s_.x.velocity_mps[0], s_.x.velocity_mps[1]},
-                          {P(kVelocity, kVelocity), P(kVelocity + 1, kVelocity + 1)}, params_.motion_speed_mps,
-                          params_.motion_time_s, time_s);
+  const MotionScale::Seen seen{{s_.x.velocity_mps[0], s_.x.velocity_mps[1]},
+                               {P(kVelocity, kVelocity), P(kVelocity + 1, kVelocity + 1)},
+                               stillpoint::array(Vec3(vec(s_.sums.motion.force) / time_s)),
+                               0.5 * (P(kTheta, kTheta) + P(kTheta + 1, kTheta + 1))};
+  const double leaning_rad2 = s_.motion_scale.observe(seen, {params_.motion_speed_mps, params_.motion_time_s}, time_s);
+  for (int i = 0; i < 2; ++i) s_.error.add_variance(kTheta + i, leaning_rad2);
   // (A8) A quantity that wanders about zero with deviation s and correlation time t has the power density 2 s^2 t.
   const double per_time = 2.0 * params_.motion_time_s / time_s;
   const double speed2 = params_.motion_speed_mps * params_.motion_speed_mps * per_time;
@@ -40,15 +49,69 @@ void AttitudeFilter::measure_rest(double time_s) noexcept {
                        params_.gyr_noise_radps_rtHz * params_.gyr_noise_radps_rtHz / time_s;
   const Vec3 rate = vec(s_.sums.rate_radps_s) / time_s;
   // The rest detector looks back over a window; a motion that has just begun is seen here first.
-  double surprise = 0.0;
-  for (int i = 0; i < 2; ++i) surprise += rate(i) * rate(i) / (s_.error.P()(kGyrBias + i, kGyrBias + i) + rate2);
-  s_.rest_doubt_s = surprise > kRestSurprise ? kRestDoubt_s : s_.rest_doubt_s - time_s;
+  // All three axes with their correlations, so that the mounting of the sensor does not matter.
+  Mat3 expected = s_.error.P().block<3, 3>(kGyrBias, kGyrBias);
+  expected.diagonal().array() += rate2;
+  const double surprise = rate.dot(expected.llt().solve(rate));
+  if (surprise > kRestSurprise) {
+    s_.rest_doubt_s = kRestDoubt_s;
+    s_.rest_denied_s += time_s;
+    if (s_.rest_denied_s < kRestInsists_s) return;
+    relearn_bias(rate);
+  }
+  s_.rest_denied_s = 0.0;
+  s_.rest_doubt_s -= time_s;
   if (s_.rest_doubt_s > 0.0) return;
+  doubt_motion(time_s, speed2);
+  doubt_tilt(time_s);
+  s_.motion_scale.rest();
   for (int i = 0; i < 3; ++i) {
     const auto at = static_cast<std::size_t>(i);
     s_.error.update(kVelocity + i, -s_.x.velocity_mps[at], speed2);
     s_.error.update(kGyrBias + i, rate(i), rate2);
   }
+}
+
+/// A velocity that the rest contradicts was made by a tilt further off than its variance says. Its correlations with
+/// everything else are as untrue: by them one update would throw all of it into whatever state is left, the
+/// accelerometer's offset first. The rest is believed, and gravity shows the tilt anew.
+void AttitudeFilter::doubt_motion(double time_s, double rest_speed2) noexcept {
+  Mat3 expected = s_.error.P().block<3, 3>(kVelocity, kVelocity);
+  expected.diagonal().array() += rest_speed2;
+  const Vec3 velocity = vec(s_.x.velocity_mps) + s_.error.mean().segment<3>(kVelocity);
+  if (velocity.dot(expected.llt().solve(velocity)) < kRestSurprise) return;
+  (void)s_.error.take_mean();  // what the velocity has corrected in this period
+  s_.x.velocity_mps = {};
+  const Vec3 lean = vec(s_.sums.motion.force) / (time_s * kStandardGravity_mps2);
+  for (int i = 0; i < 3; ++i) s_.error.forget(kVelocity + i, rest_speed2);
+  for (int i = 0; i < 2; ++i)
+    s_.error.forget(kTheta + i, s_.error.P()(kTheta + i, kTheta + i) + lean.head<2>().squaredNorm());
+}
+
+/// The detector goes on saying rest, and it sees further back than any motion that has just begun: the offset has
+/// jumped. What the filter thought to know of it is void, and so is the turn that it made of it meanwhile.
+void AttitudeFilter::relearn_bias(const Vec3& rate_radps) noexcept {
+  const Vec3 turned = mat(s_.R_world_body) * rate_radps * kRestInsists_s;
+  for (int i = 0; i < 3; ++i) {
+    s_.error.forget(kGyrBias + i, params_.gyr_bias_sd_radps * params_.gyr_bias_sd_radps);
+    s_.error.add_variance(kTheta + i, turned(i) * turned(i));
+  }
+  s_.rest_doubt_s = 0.0;
+}
+
+/// At rest gravity shows the tilt itself: one that the covariance excludes is not known at all.
+void AttitudeFilter::doubt_tilt(double time_s) noexcept {
+  const Vec3 force = vec(s_.sums.motion.force) / time_s;
+  const double g2 = kStandardGravity_mps2 * kStandardGravity_mps2;
+  const double lean2 = force.head<2>().squaredNorm() / g2;
+  const double expected = s_.error.P()(kTheta, kTheta) + s_.error.P()(kTheta + 1, kTheta + 1) +
+                          (s_.error.P().diagonal().segment<3>(kAccBias).sum() +
+                           params_.acc_noise_mps2_rtHz * params_.acc_noise_mps2_rtHz / time_s) /
+                              g2;
+  s_.lean_s = lean2 > kRestLean * expected ? s_.lean_s + time_s : 0.0;
+  if (s_.lean_s < kRestDoubt_s) return;
+  for (int i = 0; i < 2; ++i) s_.error.add_variance(kTheta + i, lean2);
+  s_.lean_s = 0.0;
 }
 
 void AttitudeFilter::measure_field(double time_s) noexcept {
@@ -62,19 +125,15 @@ void AttitudeFilter::measure_field(double time_s) noexcept {
   if (leaning) s_.field = FieldReference{};
   const FieldVerdict verdict =
       s_.field.observe(params_.field_reference, std::sqrt(horizontal2), field.z(), time_s, s_.sums.moved);
-  HeadingReading reading;
-  // (A10) Magnetic north lies at pi/2 - declination from east; the field seems turned from it by minus the error.
-  reading.error_rad = wrapped(0.5 * kPi - params_.declination_rad - std::atan2(field.y(), field.x()));
-  // A tilt error leans the vertical field into the horizontal plane: the heading turns with the tilt about north.
-  reading.lean = field.z() / horizontal2 * field.head<2>();
-  reading.iron = (field.y() * R_mean.row(0) - field.x() * R_mean.row(1)) / horizontal2;
+  HeadingReading reading = HeadingReading::of(field, R_mean, params_.declination_rad);
   reading.field_variance_rad2 = verdict.heading_variance_rad2;
   if (verdict.accepted) {  // the present heading is kept: all of the deviation is the place's
     s_.x.disturbance_rad = reading.error_rad;
     s_.error.forget(kDisturbance,
                     s_.error.P()(kTheta + 2, kTheta + 2) + params_.heading_noise_rad * params_.heading_noise_rad);
   } else if (verdict.trusted) {
-    if (s_.magnetic_s == 0.0 && !s_.heading_given)
+    const bool lost = s_.error.P()(kTheta + 2, kTheta + 2) > kLostHeading_rad * kLostHeading_rad;
+    if ((s_.magnetic_s == 0.0 && !s_.heading_given) || lost)
       start_heading(reading);
     else
       measure_heading(reading, time_s);
@@ -84,7 +143,26 @@ void AttitudeFilter::measure_field(double time_s) noexcept {
     s_.unmagnetic_s += s_.sums.moved ? 0.0 : time_s;  // in motion it has been counted already
   }
   if (leaning) return;
+  follow_iron(seen, R_mean, time_s);
+}
+
+void AttitudeFilter::follow_iron(const Vec3& seen, const Mat3& R_mean, double time_s) noexcept {
   const Vec3 iron = s_.hard_iron.body_uT(params_.hard_iron);
+  s_.iron_finder.observe(seen, R_mean, time_s);
+  if (s_.iron_finder.known() && (!s_.hard_iron.settled() || s_.unmagnetic_s > kLongUntrusted_s) &&
+      s_.hard_iron.contradicted(params_.hard_iron, s_.iron_finder.body_uT(), s_.iron_finder.covariance_uT2())) {
+    // Another iron than thought. It may have been there all the time, and every heading so far was taken from a wrong
+    // field, or have come just now: the field without it tells.
+    s_.hard_iron.begin_at(params_.hard_iron, s_.iron_finder.body_uT(), s_.iron_finder.covariance_uT2());
+    s_.field = FieldReference{};
+    s_.error.by_iron().setZero();
+    const double error =
+        HeadingReading::error(seen - R_mean * s_.hard_iron.body_uT(params_.hard_iron), params_.declination_rad);
+    const double expected =
+        s_.error.P()(kTheta + 2, kTheta + 2) + params_.heading_noise_rad * params_.heading_noise_rad;
+    if (error * error > kAnotherHeading * expected) s_.magnetic_s = 0.0;
+    return;
+  }
   s_.hard_iron.observe(params_.hard_iron, seen, R_mean, time_s);
   s_.error.change_iron(s_.hard_iron.body_uT(params_.hard_iron) - iron);
 }
@@ -94,10 +172,18 @@ void AttitudeFilter::start_heading(const HeadingReading& reading) noexcept {
   set_attitude(turn_by * quat(s_.x.q_world_body));
   vec(s_.x.velocity_mps) = turn_by * Vec3(vec(s_.x.velocity_mps));
   vec(s_.x.position_m) = turn_by * Vec3(vec(s_.x.position_m));
-  s_.error.forget(kTheta + 2, params_.heading_disturbance_rad * params_.heading_disturbance_rad +
-                                  params_.heading_noise_rad * params_.heading_noise_rad);
+  s_.error.turn_world(turn_by.toRotationMatrix());
+  s_.iron_finder.turn_world(turn_by.toRotationMatrix());
+  s_.x.disturbance_rad = 0.0;
+  s_.error.forget(kDisturbance, params_.heading_disturbance_rad * params_.heading_disturbance_rad);
+  s_.error.forget(kTheta + 2, params_.heading_noise_rad * params_.heading_noise_rad + reading.field_variance_rad2);
   s_.error.by_iron().row(kTheta + 2).head<3>() = -reading.iron.transpose();
-  s_.error.depend(kTheta + 2, turn_by.toRotationMatrix().topLeftCorner<2, 2>() * reading.lean);
+  // (A10) read for theta_z: what the reading hangs on, the heading does from here on.
+  ErrorVector weights = ErrorVector::Zero();
+  weights.segment<2>(kTheta) = turn_by.toRotationMatrix().topLeftCorner<2, 2>() * reading.lean;
+  weights(kDisturbance) = -1.0;
+  s_.error.depend(kTheta + 2, weights);
+  s_.heading_stress = 0.0;
 }
 
 void AttitudeFilter::measure_heading(const HeadingReading& reading, double time_s) noexcept {

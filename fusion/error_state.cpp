@@ -16,7 +16,8 @@ void ErrorState::propagate(const MotionSums& sums, const ProcessNoise& noise) no
   Eigen::Map<ErrorMatrix> cov = P();
   const double T = sums.time_s;
   const Mat3 R_t = mat(sums.R).transpose();
-  const Mat3 force = skew(vec(sums.force));
+  // Velocity and position are errors in a world that is turned by the heading's own error (A4a).
+  const Eigen::Matrix<double, 2, 3> force = skew(vec(sums.force)).topRows<2>();
   Eigen::Matrix<double, 9, 3> R_rate_t;
   for (int j = 0; j < 3; ++j) R_rate_t.middleRows<3>(3 * j) = mat(sums.R_rate[static_cast<std::size_t>(j)]).transpose();
   const double keep = std::exp(-T / noise.disturbance_time_s);
@@ -26,7 +27,7 @@ void ErrorState::propagate(const MotionSums& sums, const ProcessNoise& noise) no
   const auto times_F_t = [&](auto&& M) {
     // Lazy products: Eigen's other ones copy, and for 25 by 9 it would take the blocked one, made for large matrices.
     const auto velocity =
-        (M.template middleCols<3>(kAccBias).lazyProduct(R_t) - M.template middleCols<3>(kTheta).lazyProduct(force))
+        (M.template middleCols<3>(kAccBias).lazyProduct(R_t) - M.template middleCols<2>(kTheta).lazyProduct(force))
             .eval();
     M.template middleCols<3>(kPosition) += T * (M.template middleCols<3>(kVelocity) - 0.5 * velocity);
     M.template middleCols<3>(kVelocity) -= velocity;
@@ -42,8 +43,8 @@ void ErrorState::propagate(const MotionSums& sums, const ProcessNoise& noise) no
   cov.block<3, 3>(kTheta, kTheta) += mat(noise.theta_rad2);
   const double gyr_walk = noise.gyr_bias_walk * noise.gyr_bias_walk * T;
   const double acc_walk = noise.acc_bias_walk * noise.acc_bias_walk * T;
+  cov.block<3, 3>(kVelocity, kVelocity) += mat(noise.velocity_m2ps2);
   for (int i = 0; i < 3; ++i) {
-    cov(kVelocity + i, kVelocity + i) += noise.velocity_m2ps2;
     cov(kGyrBias + i, kGyrBias + i) += gyr_walk;
     cov(kAccBias + i, kAccBias + i) += acc_walk;
   }
@@ -76,6 +77,14 @@ Mat3 ErrorState::iron_rad2(const Mat3& left_uT2) const noexcept {
          rotation.col(3) * rotation.col(3).transpose();
 }
 
+void ErrorState::turn_back() noexcept {
+  for (const int first : {static_cast<int>(kVelocity), static_cast<int>(kGyrBias)}) {
+    P().middleRows<3>(first) *= -1.0;
+    P().middleCols<3>(first) *= -1.0;
+    by_iron().middleRows<3>(first) *= -1.0;
+  }
+}
+
 void ErrorState::forget(int index, double variance) noexcept {
   P().row(index).setZero();
   P().col(index).setZero();
@@ -83,10 +92,22 @@ void ErrorState::forget(int index, double variance) noexcept {
   by_iron().row(index).setZero();
 }
 
-void ErrorState::depend(int index, const Eigen::Vector2d& weights) noexcept {
-  P().row(index) += weights.transpose() * P().middleRows<2>(kTheta);
-  P().col(index) += P().middleCols<2>(kTheta) * weights;
-  by_iron().row(index) += weights.transpose() * by_iron().middleRows<2>(kTheta);
+void ErrorState::depend(int index, const ErrorVector& weights) noexcept {
+  const ErrorVector shared = P() * weights;
+  P().row(index) += shared.transpose();
+  P().col(index) += shared;
+  P()(index, index) += weights.dot(shared);
+  by_iron().row(index) += weights.transpose() * by_iron();
+}
+
+void ErrorState::turn_world(const Mat3& by) noexcept {
+  for (const int block : {kTheta, kVelocity, kPosition}) {
+    P().middleRows<3>(block) = (by * P().middleRows<3>(block)).eval();
+    P().middleCols<3>(block) = (P().middleCols<3>(block) * by.transpose()).eval();
+    by_iron().middleRows<3>(block) = (by * by_iron().middleRows<3>(block)).eval();
+    Eigen::Map<ErrorVector> gathered(mean_.data());
+    gathered.segment<3>(block) = (by * gathered.segment<3>(block)).eval();
+  }
 }
 
 ErrorVector ErrorState::take_mean() noexcept {

@@ -37,7 +37,7 @@ struct MotionSums {
 /// Power densities of the noises that drive the errors; zero for a part that does not walk.
 struct ProcessNoise {
   Array9 theta_rad2{};              ///< already integrated over the step
-  double velocity_m2ps2 = 0.0;      ///< already integrated over the step
+  Array9 velocity_m2ps2{};          ///< already integrated over the step
   double gyr_bias_walk = 0.0;       ///< rad/s/sqrt(s)
   double acc_bias_walk = 0.0;       ///< m/s^2/sqrt(s)
   double disturbance_rad = 0.0;     ///< stationary standard deviation
@@ -81,8 +81,14 @@ class ErrorState {
   /// Forgets one error: its variance is set and its correlations are dropped.
   void forget(int index, double variance) noexcept;
 
-  /// Makes one error, so far independent, depend on the tilt: x(index) += weights' (theta_x, theta_y).
-  void depend(int index, const Eigen::Vector2d& weights) noexcept;
+  /// Makes one error, so far independent, depend on others: x(index) += weights' x. Pre: weights(index) = 0.
+  void depend(int index, const ErrorVector& weights) noexcept;
+
+  /// The world axes are turned: rotation, velocity and position are expressed anew.
+  void turn_world(const Mat3& by) noexcept;
+
+  /// Time runs the other way from here: velocity and gyro bias change their sign.
+  void turn_back() noexcept;
 
   /// The correction gathered since the last call; the mean is zero afterwards.
   [[nodiscard]] ErrorVector take_mean() noexcept;

@@ -37,7 +37,8 @@ bool FieldReference::follow_candidate(const FieldReferenceParams& params, const 
 FieldVerdict FieldReference::observe(const FieldReferenceParams& params, double horizontal_uT, double vertical_uT,
                                      double time_s, bool moving) noexcept {
   FieldVerdict verdict;
-  if (!std::isfinite(horizontal_uT) || !std::isfinite(vertical_uT) || horizontal_uT < params.smallest_horizontal_uT) {
+  if (!std::isfinite(horizontal_uT) || !std::isfinite(vertical_uT) || horizontal_uT < params.smallest_horizontal_uT ||
+      std::hypot(horizontal_uT, vertical_uT) > params.largest_uT) {
     candidate_s_ = 0.0;
     return verdict;
   }

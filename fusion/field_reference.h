@@ -12,6 +12,7 @@ struct FieldReferenceParams {
   double learn_time_s = 20.0;
   double accept_time_s = 20.0;
   double smallest_horizontal_uT = 3.0;
+  double largest_uT = 100.0;
 
   static constexpr auto fields() {
     using P = FieldReferenceParams;
@@ -22,7 +23,9 @@ struct FieldReferenceParams {
                       field("accept_time_s", &P::accept_time_s, in_range(0.1, 1e6),
                             "time of motion in another steady field after which that one becomes the reference"),
                       field("smallest_horizontal_uT", &P::smallest_horizontal_uT, in_range(0.0, 1e3),
-                            "below this horizontal field (at the magnetic poles, in a shield) there is no heading")};
+                            "below this horizontal field (at the magnetic poles, in a shield) there is no heading"),
+                      field("largest_uT", &P::largest_uT, in_range(1.0, 1e5),
+                            "a larger field is not the Earth's (25 to 67 uT): iron, to be found first")};
   }
 };
 

@@ -9,13 +9,18 @@ namespace {
 using Matrix6 = Eigen::Matrix<double, 6, 6>;
 using Vector6 = Eigen::Matrix<double, 6, 1>;
 constexpr double kUnknownField_uT = 100.0;
-constexpr double kSurprise = 16.0;      ///< of a chi-square of three
-constexpr double kMisfitTime_s = 10.0;  ///< a misfit this long is a new state of affairs: learn anew
+constexpr double kFoundWithin_uT = 12.0;  ///< root of the trace: a heading is better than none
+constexpr double kSettled_uT = 3.0;       ///< root of the trace
+constexpr double kAnother = 25.0;         ///< of a chi-square of three
+constexpr double kSurprise = 16.0;        ///< of a chi-square of three
+constexpr double kMisfitTime_s = 10.0;    ///< a misfit this long is a new state of affairs: learn anew
 
 }  // namespace
 
 void HardIron::reset(const HardIronParams& params) noexcept {
+  const bool settled = settled_;
   *this = HardIron{};
+  settled_ = settled;
   Eigen::Map<Matrix6> P(p_.data());
   P.topLeftCorner<3, 3>() = kUnknownField_uT * kUnknownField_uT * Mat3::Identity();
   P.bottomRightCorner<3, 3>() = params.sd_uT * params.sd_uT * Mat3::Identity();
@@ -68,6 +73,25 @@ void HardIron::observe(const HardIronParams& params, const Vec3& field_world_uT,
   vec(place_) += correction.head<3>();
   vec(body_) += correction.tail<3>();
   started_ = true;
+  settled_ |= body_covariance().trace() < kSettled_uT * kSettled_uT;
+}
+
+bool HardIron::contradicted(const HardIronParams& params, const Vec3& body_uT,
+                            const Mat3& covariance_uT2) const noexcept {
+  if (params.sd_uT <= 0.0 || covariance_uT2.trace() > kFoundWithin_uT * kFoundWithin_uT) return false;
+  const auto beyond = [&](const Vec3& apart, const Mat3& known_uT2) {
+    return apart.dot((known_uT2 + covariance_uT2).ldlt().solve(apart)) > kAnother;
+  };
+  // What lies within the prior this filter finds by itself, with less trust in a room that moves with the motion.
+  return beyond(body_uT, params.sd_uT * params.sd_uT * Mat3::Identity()) &&
+         beyond(body_uT - vec(body_), body_covariance());
+}
+
+void HardIron::begin_at(const HardIronParams& params, const Vec3& body_uT, const Mat3& covariance_uT2) noexcept {
+  reset(params);
+  vec(body_) = body_uT;
+  Eigen::Map<Matrix6>(p_.data()).bottomRightCorner<3, 3>() = covariance_uT2;
+  settled_ = true;
 }
 
 void HardIron::rebase(const Mat3& K, const Vec3& c, const std::optional<Mat3>& calibrated_uT2) noexcept {

@@ -50,6 +50,14 @@ class HardIron {
   /// (A17) Mean square of what body_uT() leaves, uT^2: the uncertainty, and the share that the doubt holds back.
   [[nodiscard]] Mat3 left_uT2(const HardIronParams& params) const noexcept;
 
+  /// (A18) Another finder's value, with its covariance, lies outside what this one was told to expect, and has found.
+  [[nodiscard]] bool contradicted(const HardIronParams& params, const Vec3& body_uT,
+                                  const Mat3& covariance_uT2) const noexcept;
+  /// This sensor's iron has been found once; another one shows as a misfit first.
+  [[nodiscard]] bool settled() const noexcept { return settled_; }
+  /// Starts over from that value.
+  void begin_at(const HardIronParams& params, const Vec3& body_uT, const Mat3& covariance_uT2) noexcept;
+
   /// (A14) The calibration has changed: readings u become K u + c. `calibrated_uT2` is the calibration's own covariance
   /// of the offset that remains, none where it has learnt none. Whoever knows the offset better states it from here on;
   /// the evidence of the other is dropped, so none counts twice.
@@ -63,6 +71,7 @@ class HardIron {
   std::array<double, 36> p_{};
   double misfit_s_ = 0.0;  ///< time for which the model has failed
   bool started_ = false;
+  bool settled_ = false;
 };
 
 static_assert(std::is_trivially_copyable_v<HardIron>);

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/units.h"
+
 namespace stillpoint::fusion {
 namespace {
 
@@ -11,24 +13,86 @@ constexpr double kSurprise = 9.0;   ///< chi-square of one: three standard devia
 constexpr double kLeftOver = 2.0;   ///< what the surprise is brought down to: one jump does not settle it
 constexpr double kMemory_s = 20.0;  ///< a car stops at lights and goes on
 constexpr double kLargest = 1e8;    ///< ten thousand times the usual speed
+constexpr double kForceTime_s = 2.0;
+constexpr double kForceNoise_mps2 = 0.15;  ///< offset of an accelerometer, and what two seconds leave of a motion
+constexpr double kMostOdds = 6.0;          ///< log; nothing is certain
+constexpr double kVehicleOdds = -3.5;      ///< log; one body in thirty is carried by a vehicle
+constexpr double kLeastTilt_rad2 = 1e-4;   ///< half a degree: no filter is surer of its tilt in motion
+constexpr double kSwing_s = 1.0;           ///< slower than a stride or a stroke of the arm
+constexpr double kSwingMemory_s = 5.0;
+constexpr double kSwingPeak2 = 9.0;  ///< a bound that a swing of that mean square seldom leaves: three deviations
 
 }  // namespace
 
 double MotionScale::time() const noexcept { return std::sqrt(scale_); }
 
-void MotionScale::observe(const std::array<double, 2>& velocity_mps, const std::array<double, 2>& variance_m2ps2,
-                          double usual_speed_mps, double usual_time_s, double period_s) noexcept {
-  const double blend = 1.0 - std::exp(-period_s / (kMeanOver * usual_time_s * time()));
+void MotionScale::turn_back() noexcept {
+  for (auto* mean : {&slow_velocity_mps_, &mean_velocity_mps_})
+    for (double& v : *mean) v = -v;
+}
+
+void MotionScale::rest() noexcept {
+  const double odds = log_odds_;
+  *this = {};
+  log_odds_ = odds;
+}
+
+double MotionScale::vehicle(double lean2, double tilt_rad2) const noexcept {
+  // A lean that the filter's own variance makes unlikely is likelier a vehicle: Bayes, with the force's odds.
+  const double unlike_lean = std::min(kMostOdds, 0.5 * lean2 / (tilt_rad2 + kLeastTilt_rad2));
+  return 1.0 / (1.0 + std::exp(-(log_odds_ + unlike_lean + kVehicleOdds)));
+}
+
+void MotionScale::follow_swing(const Seen& seen, double usual_mps, double period_s) noexcept {
+  // To and fro only: an attitude that leans lets the velocity run away slowly, and must not excuse itself by it.
+  const double leaning = kStandardGravity_mps2 * kSwing_s;
+  double swing = -leaning * leaning * seen.tilt_rad2;
+  for (std::size_t i = 0; i < 2; ++i) {
+    slow_velocity_mps_[i] += std::min(1.0, period_s / kSwing_s) * (seen.velocity_mps[i] - slow_velocity_mps_[i]);
+    const double fast = seen.velocity_mps[i] - slow_velocity_mps_[i];
+    swing += 0.5 * fast * fast;
+  }
+  swing_m2ps2_ += std::min(1.0, period_s / kSwingMemory_s) * (std::max(0.0, swing) - swing_m2ps2_);
+  swing_ = std::clamp(kSwingPeak2 * swing_m2ps2_ / (usual_mps * usual_mps), 1.0, kLargest);
+}
+
+void MotionScale::weigh(const std::array<double, 3>& force_mps2, double period_s) noexcept {
+  force_s_ = std::min(force_s_ + period_s, kForceTime_s);
+  const double blend = period_s / force_s_;
+  for (std::size_t i = 0; i < 3; ++i) mean_force_mps2_[i] += blend * (force_mps2[i] - mean_force_mps2_[i]);
+  const double level2 = mean_force_mps2_[0] * mean_force_mps2_[0] + mean_force_mps2_[1] * mean_force_mps2_[1];
+  // An acceleration adds its square to the squared force; a tilt that is off only turns the force.
+  const double of_vehicle = mean_force_mps2_[2] - kStandardGravity_mps2;
+  const double of_tilt = std::sqrt(level2 + mean_force_mps2_[2] * mean_force_mps2_[2]) - kStandardGravity_mps2;
+  const double variance = kForceNoise_mps2 * kForceNoise_mps2;
+  const double gain = 0.5 * (of_tilt * of_tilt - of_vehicle * of_vehicle) / variance;
+  log_odds_ += period_s / kForceTime_s * std::clamp(gain, -kMostOdds, kMostOdds) - period_s / kMemory_s * log_odds_;
+  log_odds_ = std::clamp(log_odds_, -kMostOdds, kMostOdds);
+}
+
+double MotionScale::observe(const Seen& seen, const Usual& usual, double period_s) noexcept {
+  weigh(seen.force_mps2, period_s);
+  follow_swing(seen, usual.speed_mps, period_s);
+  const double blend = 1.0 - std::exp(-period_s / (kMeanOver * usual.time_s * time()));
   // Of a first-order process the mean with this memory keeps 1 / (1 + kMeanOver) of the variance.
-  const double usual2 = usual_speed_mps * usual_speed_mps * scale_ / (1.0 + kMeanOver);
+  const double usual2 = usual.speed_mps * usual.speed_mps * scale_ / (1.0 + kMeanOver);
   double surprise = 0.0;
   for (std::size_t i = 0; i < 2; ++i) {
-    mean_velocity_mps_[i] += blend * (velocity_mps[i] - mean_velocity_mps_[i]);
-    surprise = std::max(surprise, mean_velocity_mps_[i] * mean_velocity_mps_[i] / (usual2 + variance_m2ps2[i]));
+    mean_velocity_mps_[i] += blend * (seen.velocity_mps[i] - mean_velocity_mps_[i]);
+    surprise = std::max(surprise, mean_velocity_mps_[i] * mean_velocity_mps_[i] / (usual2 + seen.variance_m2ps2[i]));
   }
   scale_ = 1.0 + (scale_ - 1.0) * std::exp(-period_s / kMemory_s);
-  if (surprise > kSurprise) scale_ = std::min(kLargest, scale_ * surprise / kLeftOver);
-  if (!std::isfinite(scale_)) *this = {};
+  double tilt_rad2 = 0.0;
+  if (surprise > kSurprise) {
+    const double level2 = mean_force_mps2_[0] * mean_force_mps2_[0] + mean_force_mps2_[1] * mean_force_mps2_[1];
+    const double lean2 = level2 / (kStandardGravity_mps2 * kStandardGravity_mps2);
+    const double of_vehicle = vehicle(lean2, seen.tilt_rad2);
+    if (of_vehicle > 0.5) scale_ = std::min(kLargest, scale_ * surprise / kLeftOver);
+    // The same horizontal force as a lean, by the share that the hand has of the odds.
+    tilt_rad2 = (1.0 - of_vehicle) * blend * lean2;
+  }
+  if (!std::isfinite(scale_) || !std::isfinite(swing_) || !std::isfinite(log_odds_)) *this = {};
+  return std::isfinite(tilt_rad2) ? tilt_rad2 : 0.0;
 }
 
 }  // namespace stillpoint::fusion

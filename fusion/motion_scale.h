@@ -1,25 +1,52 @@
-/// How much faster than configured the body travels: a hand's filter that is carried into a car finds out. Derivation
-/// and what is measured: (A8a) of docs/math/attitude.md.
+/// Hand or vehicle: how much faster than configured the body travels, where it is the body that does and not the
+/// attitude that leans. Derivation and what is measured: (A8a) of docs/math/attitude.md.
 #pragma once
 #include <array>
 
 namespace stillpoint::fusion {
 
-/// Horizontal motion as the parameters state it - speed s, correlation time t, distance r - with s^2 grown by
-/// `scale()`, t by its root (the accelerations stay), r by both.
+/// Horizontal motion as the parameters state it - speed s, correlation time t, distance r - with s^2 grown by a
+/// vehicle's scale, t by its root (the accelerations stay), r by both; and s and r by what the body swings to and fro.
 class MotionScale {
  public:
-  /// One period of the covariance: the velocity estimated (east, north) [m/s] and its variance [m^2/s^2].
-  void observe(const std::array<double, 2>& velocity_mps, const std::array<double, 2>& variance_m2ps2,
-               double usual_speed_mps, double usual_time_s, double period_s) noexcept;
+  struct Usual {
+    double speed_mps, time_s;
+  };
 
-  [[nodiscard]] double speed2() const noexcept { return scale_; }            ///< factor of s^2
-  [[nodiscard]] double time() const noexcept;                                ///< factor of t
-  [[nodiscard]] double radius2() const noexcept { return scale_ * scale_; }  ///< factor of r^2
+  /// What the filter thinks of one period of its covariance, east and north.
+  struct Seen {
+    std::array<double, 2> velocity_mps, variance_m2ps2;
+    std::array<double, 3> force_mps2;  ///< mean of the period, world axes
+    double tilt_rad2;                  ///< variance of the tilt, per axis
+  };
+
+  /// What is returned is the variance of the tilt [rad^2] that a hand would owe the surprise to: to be added to what
+  /// the filter thinks of its own tilt.
+  double observe(const Seen& seen, const Usual& usual, double period_s) noexcept;
+
+  /// A body at rest is not under way, whatever was thought of it. A vehicle that stops remains one.
+  void rest() noexcept;
+
+  /// Time runs the other way from here.
+  void turn_back() noexcept;
+
+  [[nodiscard]] double speed2() const noexcept { return scale_ * swing_; }            ///< factor of s^2
+  [[nodiscard]] double time() const noexcept;                                         ///< factor of t
+  [[nodiscard]] double radius2() const noexcept { return scale_ * scale_ * swing_; }  ///< factor of r^2
 
  private:
+  void weigh(const std::array<double, 3>& force_mps2, double period_s) noexcept;
+  void follow_swing(const Seen& seen, double usual_mps, double period_s) noexcept;
+  [[nodiscard]] double vehicle(double lean2, double tilt_rad2) const noexcept;
+
   double scale_ = 1.0;                         ///< >= 1
+  double swing_ = 1.0;                         ///< >= 1
+  double swing_m2ps2_ = 0.0;                   ///< mean square of the velocity less its slow part, per axis
+  std::array<double, 2> slow_velocity_mps_{};  ///< over one swing
   std::array<double, 2> mean_velocity_mps_{};  ///< over twice the correlation time
+  std::array<double, 3> mean_force_mps2_{};
+  double force_s_ = 0.0;
+  double log_odds_ = 0.0;  ///< vehicle over leaning tilt
 };
 
 }  // namespace stillpoint::fusion

@@ -1,0 +1,80 @@
+/// The beginnings of an attitude: from the first reading, and from the first after a pause.
+#include <algorithm>
+#include <cmath>
+
+#include "core/so3.h"
+#include "core/units.h"
+#include "fusion/attitude_filter.h"
+#include "fusion/attitude_storage.h"
+#include "fusion/attitude_unknown.h"
+
+namespace stillpoint::fusion {
+namespace {
+
+constexpr double kPi = std::numbers::pi;
+constexpr double kStartTilt_rad = 0.1;   ///< the first reading may hold 1 m/s^2 of motion
+constexpr double kLostTilt_rad = 0.5;    ///< beyond it the filter's straight lines end: down is taken anew
+constexpr double kMovingTilt_rad = 0.3;  ///< of one reading in the middle of a motion: 3 m/s^2 across gravity
+
+}  // namespace
+
+void AttitudeFilter::start_from(const Vec3& acc_mps2) noexcept {
+  if (acc_mps2.norm() < 0.1 * kStandardGravity_mps2) return;  // falling: there is no down
+  const Quat tilt = Quat::FromTwoVectors(acc_mps2, Vec3::UnitZ());
+  const Quat turn_to_heading(Eigen::AngleAxisd(s_.start_heading_rad - heading_of(tilt), Vec3::UnitZ()));
+  set_attitude(turn_to_heading * tilt);
+  // What motion adds to gravity along the reading it adds across it too, where it tilts.
+  s_.start_tilt_rad =
+      kStartTilt_rad + std::min(1.0, std::abs(acc_mps2.norm() - kStandardGravity_mps2) / kStandardGravity_mps2);
+  start_errors();
+  s_.has_attitude = true;
+  s_.status = AttitudeStatus::kOk;
+}
+
+void AttitudeFilter::start_errors() noexcept {
+  ErrorVector sd = ErrorVector::Zero();
+  sd.segment<2>(kTheta).setConstant(s_.start_tilt_rad);
+  sd(kTheta + 2) = s_.heading_given ? kStartTilt_rad : 0.0;  // relative: counted from here
+  sd.segment<3>(kVelocity).setConstant(params_.motion_speed_mps);
+  sd.segment<3>(kGyrBias).setConstant(params_.gyr_bias_sd_radps);
+  sd.segment<3>(kAccBias).setConstant(params_.acc_bias_sd_mps2);
+  sd.segment<9>(kGyrMatrix).setConstant(params_.gyr_matrix_sd);
+  sd(kDisturbance) = params_.heading_disturbance_rad;
+  s_.error.start(sd);
+}
+
+void AttitudeFilter::bridge(const CalibratedSample& sample, bool gyr, bool acc, double dt_s) noexcept {
+  // What was gathered before the pause is one step, the pause another.
+  if (s_.sums.motion.time_s > 0.0) covariance_step();
+  const Vec3 before = vec(s_.rate_radps);
+  double variance = gyr ? s_.rate_bridge.bridge_rad2(dt_s) : unknown_turn2(dt_s);
+  if (gyr) {
+    const Eigen::Map<const Mat3> M(s_.x.gyr_matrix.data());
+    const Vec3 raw = vec(sample.gyr_radps);
+    vec(s_.rate_radps) = raw - M * raw - vec(s_.x.gyr_bias_radps);
+  }
+  const Vec3 turned = 0.5 * dt_s * (before + vec(s_.rate_radps));
+  s_.rate_bridge.interrupt();
+  s_.iron_finder.interrupt();
+  mat(s_.sums.theta_rad2).diagonal().array() += std::min(variance, kPi * kPi);
+  mat(s_.sums.motion.R) += mat(s_.R_world_body) * dt_s;
+  // The motion goes on unseen: within its own bounds nothing is known of it any more.
+  const double speed2 = params_.motion_speed_mps * params_.motion_speed_mps * s_.motion_scale.speed2();
+  mat(s_.sums.velocity_m2ps2).diagonal().array() += std::min(unknown_speed2(dt_s), 2.0 * speed2);
+  set_attitude(quat(s_.x.q_world_body) * exp_quat(turned));
+  s_.sums.moved = true;
+  const double tilt2 = s_.error.P()(kTheta, kTheta) + s_.error.P()(kTheta + 1, kTheta + 1) + 2.0 * variance;
+  s_.regained &= tilt2 < kRegained_rad * kRegained_rad;
+  if (!acc || tilt2 < kLostTilt_rad * kLostTilt_rad) return;
+  const double heading2 = s_.error.P()(kTheta + 2, kTheta + 2) + tilt2;
+  const Vec3 force = vec(sample.acc_mps2) - vec(s_.x.acc_bias_mps2);
+  if (force.norm() < 0.1 * kStandardGravity_mps2) return;
+  const Quat down = Quat::FromTwoVectors(quat(s_.x.q_world_body) * force, Vec3::UnitZ());
+  set_attitude(down * quat(s_.x.q_world_body));
+  const double sd = kMovingTilt_rad + std::min(1.0, std::abs(force.norm() / kStandardGravity_mps2 - 1.0));
+  for (int i = 0; i < 2; ++i) s_.error.forget(kTheta + i, sd * sd);
+  s_.error.forget(kTheta + 2, std::min(heading2, kUnknownHeading_rad2));
+  mat(s_.sums.theta_rad2).setZero();
+}
+
+}  // namespace stillpoint::fusion

@@ -1,0 +1,79 @@
+#include "fusion/iron_finder.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace stillpoint::fusion {
+namespace {
+
+constexpr double kTurn2 = 0.04;  ///< squared norm of R2 - R1, about 0.14 rad: enough for one difference
+constexpr double kStill2 = 1e-4;
+constexpr double kLongestTurn_s = 0.5;  ///< the unevenness of the place grows with the time
+constexpr double kMemory = 400.0;       ///< turns
+constexpr double kLargestIron_uT = 1000.0;
+constexpr double kSmallestNoise_uT = 0.5;  ///< of the change between two readings
+/// Places are uneven in step with the motion of a hand or a leg: the residual alone would promise too much.
+constexpr double kUneven_uT = 1.5;
+constexpr double kCorrelated = 4.0;
+constexpr double kOutlier = 3.0;
+
+}  // namespace
+
+void IronFinder::observe(const Vec3& seen_world_uT, const Mat3& R_world_body, double time_s) noexcept {
+  if (!seen_world_uT.allFinite()) return;
+  since_s_ += time_s;
+  const Mat3 turn = R_world_body - mat(anchor_R_);
+  const double turn2 = turn.squaredNorm();
+  if (anchored_ && turn2 < kTurn2 && since_s_ < kLongestTurn_s) return;
+  if (anchored_ && turn2 > kStill2) add_turn(turn, seen_world_uT - vec(anchor_uT_));
+  vec(anchor_uT_) = seen_world_uT;
+  mat(anchor_R_) = R_world_body;
+  since_s_ = 0.0;
+  anchored_ = true;
+}
+
+double IronFinder::residual_uT2() const noexcept {
+  const double left = (changes2_ - vec(weighted_).dot(vec(body_))) / std::max(1.0, 3.0 * turns_ - 3.0);
+  return std::max(left, kSmallestNoise_uT * kSmallestNoise_uT);
+}
+
+void IronFinder::add_turn(const Mat3& turn, const Vec3& change_uT) noexcept {
+  double weight = 1.0;
+  if (known()) {  // after Cauchy: a magnet that passes counts little
+    const double r2 = (change_uT - turn * vec(body_)).squaredNorm() / 3.0;
+    weight = 1.0 / (1.0 + r2 / (kOutlier * kOutlier * residual_uT2()));
+  }
+  const double keep = 1.0 - 1.0 / kMemory;
+  mat(information_) = Mat3(keep * mat(information_) + weight * turn.transpose() * turn);
+  vec(weighted_) = Vec3(keep * vec(weighted_) + weight * turn.transpose() * change_uT);
+  changes2_ = keep * changes2_ + weight * change_uT.squaredNorm();
+  turns_ = keep * turns_ + weight;
+  Mat3 information = mat(information_);
+  information.diagonal().array() += 1.0 / (kLargestIron_uT * kLargestIron_uT);
+  vec(body_) = information.ldlt().solve(vec(weighted_));
+  if (!vec(body_).allFinite()) *this = {};
+}
+
+Mat3 IronFinder::covariance_uT2() const noexcept {
+  Mat3 information = mat(information_) / (kCorrelated * residual_uT2());
+  information.diagonal().array() += 1.0 / (kLargestIron_uT * kLargestIron_uT);
+  return information.inverse() + kUneven_uT * kUneven_uT * Mat3::Identity();
+}
+
+void IronFinder::turn_world(const Mat3& by) noexcept {
+  vec(anchor_uT_) = by * Vec3(vec(anchor_uT_));
+  mat(anchor_R_) = by * Mat3(mat(anchor_R_));
+}
+
+void IronFinder::rebase(const Mat3& K, const Vec3& c) noexcept {
+  const Vec3 body = K * Vec3(vec(body_)) + c;
+  const double scale = std::cbrt(std::abs(K.determinant()));
+  // The sums are of the former readings: their information stays, turned to the new unit, about the new value.
+  mat(information_) /= scale * scale;
+  vec(body_) = body;
+  vec(weighted_) = mat(information_) * body;
+  changes2_ = body.dot(vec(weighted_)) + 3.0 * turns_ * kSmallestNoise_uT * kSmallestNoise_uT;
+  anchored_ = false;
+}
+
+}  // namespace stillpoint::fusion

@@ -1,0 +1,48 @@
+/// The hard iron of a magnetometer that nobody has calibrated, up to 1 mT, from half a minute of turning: how the
+/// reading changes while the body turns. (A18) of docs/math/attitude.md.
+#pragma once
+#include <type_traits>
+
+#include "core/types.h"
+
+namespace stillpoint::fusion {
+
+/// Least squares over short turns: the field of the place cancels in the difference of two readings in world axes,
+/// R2 y2 - R1 y1 = (R2 - R1) b, and over a fraction of a second neither an offset of the gyroscope nor the attitude's
+/// own error matters. No prior: any size of iron is found. Plain sums with forgetting.
+class IronFinder {
+ public:
+  /// One mean reading: in world axes [uT], with the mean rotation at these readings.
+  void observe(const Vec3& seen_world_uT, const Mat3& R_world_body, double time_s) noexcept;
+
+  /// The estimated attitude was corrected by this rotation, which is no turn of the body.
+  void turn_world(const Mat3& by) noexcept;
+  /// What comes next is not connected with what was: a gap.
+  void interrupt() noexcept { anchored_ = false; }
+  /// Readings u are K u + c from here on.
+  void rebase(const Mat3& K, const Vec3& c) noexcept;
+
+  /// Enough turns for a residual to be measured.
+  [[nodiscard]] bool known() const noexcept { return turns_ > kFewest; }
+  [[nodiscard]] Vec3 body_uT() const noexcept { return vec(body_); }
+  /// Of body_uT(), uT^2: large about an axis that the body has only turned about.
+  [[nodiscard]] Mat3 covariance_uT2() const noexcept;
+
+ private:
+  static constexpr double kFewest = 12.0;
+  void add_turn(const Mat3& turn, const Vec3& change_uT) noexcept;
+  [[nodiscard]] double residual_uT2() const noexcept;
+
+  Array9 information_{};  ///< sum of w D' D
+  Array3 weighted_{};     ///< sum of w D' (change)
+  double changes2_ = 0.0, turns_ = 0.0;
+  Array3 body_{};
+  Array3 anchor_uT_{};
+  Array9 anchor_R_{};
+  double since_s_ = 0.0;
+  bool anchored_ = false;
+};
+
+static_assert(std::is_trivially_copyable_v<IronFinder>);
+
+}  // namespace stillpoint::fusion

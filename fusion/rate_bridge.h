@@ -1,0 +1,39 @@
+/// What a pause of the gyroscope leaves unknown of the turn: learnt from how the rate of this very motion changes.
+/// (A2a) of docs/math/attitude.md.
+#pragma once
+#include <array>
+#include <type_traits>
+
+#include "core/types.h"
+
+namespace stillpoint::fusion {
+
+/// The rate as a process that wanders: between two known ends it is off its straight line by a bridge.
+class RateBridge {
+ public:
+  /// Mean rate of one period of the covariance.
+  void observe(const Vec3& rate_radps, double time_s) noexcept;
+  /// No rate is known for a while: differences do not span it.
+  void interrupt() noexcept { filled_ = 0; }
+
+  /// A step this long is a pause at the rate that samples have come lately.
+  [[nodiscard]] bool is_pause(double step_s) const noexcept {
+    return usual_step_s_ > 0.0 && step_s > 2.5 * usual_step_s_;
+  }
+  void note_step(double step_s) noexcept;
+
+  /// Variance per axis [rad^2] of the turn over `gap_s` when both ends of the rate are known.
+  [[nodiscard]] double bridge_rad2(double gap_s) const noexcept;
+
+ private:
+  static constexpr std::size_t kLag = 4;
+  std::array<Array3, kLag> rates_radps_{};
+  std::size_t at_ = 0, filled_ = 0;
+  double rate2_ = 0.0;  ///< mean square per axis, rad^2/s^2
+  double walk_ = 0.0;   ///< mean square change per axis and time, rad^2/s^3
+  double usual_step_s_ = 0.0;
+};
+
+static_assert(std::is_trivially_copyable_v<RateBridge>);
+
+}  // namespace stillpoint::fusion

@@ -1,0 +1,158 @@
+/// What cannot be known is stated: pauses, the first heading, iron that nobody has calibrated.
+#include <algorithm>
+
+#include "tests/fusion/attitude_testing.h"
+
+namespace stillpoint::fusion {
+namespace {
+
+using test::MotionParams;
+using test::RandomMotion;
+
+Vec3 error_of(const RandomMotion& motion, const AttitudeEstimate& e) {
+  return test::error_world(motion.q_world_body(), test::quat(e.q_world_body));
+}
+
+TEST(AttitudeHonesty, APauseOfAFastTurnIsBridgedAndItsErrorStated) {
+  MotionParams fast;
+  fast.turn_radps = 5.0;
+  fast.turn_time_s = 0.5;
+  for (const int lost : {5, 30, 200}) {
+    int inside = 0, pauses = 0;
+    for (unsigned seed = 1; seed <= 10; ++seed) {
+      RandomMotion motion(fast, seed);
+      AttitudeFilter filter;
+      AttitudeEstimate e;
+      for (int i = 0; i < 2000; ++i) e = filter.step(motion.next(i < 500), i < 500);
+      for (int i = 0; i < lost; ++i) motion.next(false);
+      for (int i = 0; i < 100; ++i) {
+        e = filter.step(motion.next(false), false);
+        const Vec3 error = error_of(motion, e);
+        inside += std::abs(error.x()) < 3.0 * std::sqrt(e.covariance_world_rad2[0]) &&
+                  std::abs(error.y()) < 3.0 * std::sqrt(e.covariance_world_rad2[4]) &&
+                  std::abs(error.z()) < 3.0 * e.sigma_yaw_rad;
+        ++pauses;
+      }
+    }
+    EXPECT_GT(inside, 0.95 * pauses) << lost << " samples lost";
+  }
+}
+
+TEST(AttitudeHonesty, AfterALongPauseItIsDegradedUntilTheTiltIsKnownAgain) {
+  RandomMotion motion({}, 3);
+  AttitudeFilter filter;
+  AttitudeEstimate e;
+  for (int i = 0; i < 1000; ++i) e = filter.step(motion.next(i < 500), i < 500);
+  EXPECT_EQ(e.status, AttitudeStatus::kOk);
+  for (int i = 0; i < 300; ++i) motion.next(false);
+  e = filter.step(motion.next(false), false);
+  EXPECT_EQ(e.status, AttitudeStatus::kDegraded);
+  EXPECT_GT(e.sigma_roll_rad, 0.05);
+  for (int i = 0; i < 2000; ++i) e = filter.step(motion.next(i < 1000), i < 1000);
+  EXPECT_EQ(e.status, AttitudeStatus::kOk);
+  EXPECT_LT(tilt_rad(error_of(motion, e)) * kDegPerRad, 2.0);
+}
+
+TEST(AttitudeHonesty, TheHeadingIsStatedFromTheFirstSampleOn) {
+  for (unsigned seed = 1; seed <= 20; ++seed) {
+    RandomMotion motion({}, seed);
+    AttitudeFilter filter;
+    for (int i = 0; i < 100; ++i) {
+      const AttitudeEstimate e = filter.step(motion.next(false), false);
+      EXPECT_LT(std::abs(error_of(motion, e).z()), 3.0 * e.sigma_yaw_rad) << "seed " << seed << ", sample " << i;
+    }
+  }
+}
+
+/// A program that resampled a log bridged five seconds without a gyroscope by a straight line, to five decimals.
+TEST(AttitudeHonesty, RatesThatAreDrawnAsALineAreNoReadings) {
+  for (unsigned seed = 1; seed <= 5; ++seed) {
+    RandomMotion motion({}, seed);
+    AttitudeFilter filter;
+    int outside = 0, ok = 0;
+    for (int i = 0; i < 3000; ++i) {
+      CalibratedSample s = motion.next(i < 500);
+      const bool drawn = i >= 2000 && i < 2500;
+      const double way = (i - 2000) / 500.0;
+      for (double& x : s.gyr_radps)
+        if (drawn) x = 1e-5 * std::round(1e5 * (0.4 - 0.9 * way));
+      const AttitudeEstimate e = filter.step(s, i < 500);
+      if (!drawn || i < 2020) continue;
+      outside += tilt_rad(error_of(motion, e)) > 3.5 * std::hypot(e.sigma_roll_rad, e.sigma_pitch_rad);
+      ok += e.status == AttitudeStatus::kOk;
+    }
+    EXPECT_EQ(ok, 0) << "seed " << seed;
+    EXPECT_LT(outside, 10) << "seed " << seed;
+  }
+}
+
+/// At rest gravity shows the tilt: a filter that was sure of another one does not stay sure.
+TEST(AttitudeHonesty, ATiltThatRestContradictsIsGivenUp) {
+  RandomMotion motion({}, 4);
+  AttitudeFilter filter;
+  AttitudeEstimate e;
+  for (int i = 0; i < 1000; ++i) e = filter.step(motion.next(true), true);
+  const Quat shifted = exp_quat(Vec3(0.17, 0.0, 0.0));  // 10 degrees, 17 deviations of its offset
+  for (int i = 0; i < 500; ++i) {
+    CalibratedSample s = motion.next(true);
+    s.acc_mps2 = stillpoint::array(Vec3(shifted * vec(s.acc_mps2)));
+    e = filter.step(s, true);
+  }
+  const Vec3 up = test::quat(e.q_world_body) * (shifted * (motion.q_world_body().conjugate() * Vec3::UnitZ()));
+  EXPECT_LT(std::acos(std::min(1.0, up.z())) * kDegPerRad, 5.0);
+}
+
+TEST(AttitudeHonesty, AMagnetThatHasJustComeLeavesTheHeading) {
+  for (unsigned seed = 1; seed <= 4; ++seed) {
+    RandomMotion motion({}, seed);
+    AttitudeFilter filter;
+    AttitudeEstimate e;
+    double worst = 0.0;
+    for (int i = 0; i < 9000; ++i) {
+      CalibratedSample s = motion.next(false);
+      if (i > 6000) s.mag_uT[2] += 60.0;
+      e = filter.step(s, false);
+      if (i > 6000) worst = std::max(worst, std::abs(error_of(motion, e).z()));
+    }
+    EXPECT_LT(worst * kDegPerRad, 12.0) << "seed " << seed;
+  }
+}
+
+TEST(AttitudeHonesty, IronOfHalfAMilliteslaIsFoundByTurning) {
+  MotionParams raw;
+  raw.hard_iron_uT = {85.0, 210.0, -460.0};
+  for (unsigned seed = 1; seed <= 4; ++seed) {
+    RandomMotion motion(raw, seed);
+    AttitudeFilter filter;
+    AttitudeEstimate e;
+    int outside = 0;
+    for (int i = 0; i < 6000; ++i) {
+      e = filter.step(motion.next(false), false);
+      outside += std::abs(error_of(motion, e).z()) > 3.0 * e.sigma_yaw_rad;
+    }
+    EXPECT_EQ(e.heading, HeadingReference::kMagnetic);
+    EXPECT_LT(std::abs(error_of(motion, e).z()) * kDegPerRad, 6.0);
+    EXPECT_LT(outside, 120);
+  }
+}
+
+/// The same body in the same motion: how the sensor is mounted in it changes nothing but the rotation.
+TEST(AttitudeHonesty, TheMountingOfTheSensorDoesNotMatter) {
+  const Quat mounting = exp_quat(Vec3(0.9, -1.1, 0.6));
+  RandomMotion motion({}, 7);
+  AttitudeFilter plain, mounted;
+  for (int i = 0; i < 3000; ++i) {
+    CalibratedSample s = motion.next(i % 1500 < 500);
+    const AttitudeEstimate a = plain.step(s, i % 1500 < 500);
+    for (Array3* reading : {&s.acc_mps2, &s.gyr_radps, &s.mag_uT})
+      *reading = stillpoint::array(Vec3(mounting.conjugate() * vec(*reading)));
+    const AttitudeEstimate b = mounted.step(s, i % 1500 < 500);
+    const Quat same = test::quat(a.q_world_body) * mounting;
+    // The field's start turns the world about the vertical by what the first sample gave each: equal from there on.
+    if (i <= 20) continue;
+    ASSERT_LT(log_quat(same * test::quat(b.q_world_body).conjugate()).norm(), 1e-6) << i;
+  }
+}
+
+}  // namespace
+}  // namespace stillpoint::fusion
