@@ -1,0 +1,46 @@
+/// Lines of CSV or JSON into readings: pure functions over bytes, no allocation while readings are parsed.
+#pragma once
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "io/source_config.h"
+#include "sources/reading.h"
+
+namespace stillpoint::sources {
+
+/// Where a field of a line goes: its place in an io::RecordingRow, and the factor to SI units.
+struct Field {
+  std::size_t place = 0;
+  double to_si = 1.0;
+};
+
+/// How the lines of one stream are to be understood.
+class LineFormat {
+ public:
+  /// From the configuration. Without `columns:` a header line or the names of JSON say what the fields are.
+  explicit LineFormat(const io::StreamParams& params);
+
+  /// A reading, or what else the line is.
+  Piece parse(std::string_view line, Reading& out) const noexcept;
+
+  /// Takes the names of a header line; false: there is no reading among them. Allocates.
+  bool use_header(std::string_view line);
+
+  /// CSV can be read: positions are known by configuration or header.
+  [[nodiscard]] bool knows_positions() const noexcept { return !by_position_.empty(); }
+
+ private:
+  Piece parse_csv(std::string_view line, Reading& out) const noexcept;
+  Piece parse_json(std::string_view line, Reading& out) const noexcept;
+  [[nodiscard]] std::optional<Field> field_named(std::string_view name) const noexcept;
+  [[nodiscard]] std::optional<Field> known_field(std::string_view name) const noexcept;
+
+  double count_to_si_[3];
+  std::vector<std::pair<std::string, Field>> by_name_;  ///< of `columns:`, by the stream's own names
+  std::vector<std::optional<Field>> by_position_;
+  bool configured_positions_ = false;
+};
+
+}  // namespace stillpoint::sources

@@ -1,0 +1,22 @@
+/// What one line or one frame of a stream held, in SI units (uT, degC).
+#pragma once
+#include "core/types.h"
+
+namespace stillpoint::sources {
+
+struct Reading {
+  RawSample sample;  ///< its time only when `has_time`
+  bool has_time = false;
+  double time_unit_ns = 1.0;  ///< of the sender's counter: tells at what value it wraps
+};
+
+/// What a piece of a stream turned out to be.
+enum class Piece : std::uint8_t {
+  kNone,       ///< more bytes are needed
+  kReading,    ///< a reading was filled
+  kHeader,     ///< column names
+  kIgnored,    ///< a comment, a blank line, a text that is no reading
+  kMalformed,  ///< meant as a reading, but damaged
+};
+
+}  // namespace stillpoint::sources

@@ -1,0 +1,46 @@
+/// What a live source has to tell: written by the sensor thread, read by whoever logs and publishes.
+#pragma once
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <string_view>
+
+#include "core/snapshot_cell.h"
+
+namespace stillpoint::sources {
+
+/// A text of bounded length that crosses between threads.
+class ShortText {
+ public:
+  ShortText() = default;
+  explicit ShortText(std::string_view text) noexcept : size_(std::min(text.size(), text_.size())) {
+    std::copy_n(text.data(), size_, text_.begin());
+  }
+  [[nodiscard]] std::string_view view() const noexcept { return {text_.data(), size_}; }
+
+ private:
+  std::array<char, 240> text_{};
+  std::size_t size_ = 0;
+};
+
+enum class LinkState : std::uint8_t { kNeverThere, kThere, kGone };
+
+struct SourceReport {
+  LinkState link = LinkState::kNeverThere;
+  std::uint64_t opened = 0;         ///< how often the device or the peer was there
+  std::uint64_t failures = 0;       ///< attempts to open it that failed
+  std::uint64_t readings = 0;       ///< handed on
+  std::uint64_t malformed = 0;      ///< damaged lines, frames or messages
+  std::uint64_t ignored = 0;        ///< texts and numbers that nobody can name
+  std::uint64_t skipped_bytes = 0;  ///< that belong to no frame and to no line
+  std::uint64_t lost = 0;           ///< missing by the sender's count
+  std::uint64_t unstamped = 0;      ///< without a time: of the second that teaches the rate, or damaged
+  ShortText error;                  ///< why it could not be opened last
+  ShortText refused;                ///< the last line that was no reading
+};
+
+/// Shared between the source and its readers.
+using ReportCell = std::shared_ptr<SnapshotCell<SourceReport>>;
+
+}  // namespace stillpoint::sources

@@ -1,0 +1,72 @@
+/// Bytes of a stream into readings: lines or frames, whatever is cut, lost or put in between. No allocation but for a
+/// header line.
+#pragma once
+#include <array>
+#include <cstdint>
+#include <span>
+#include <string_view>
+
+#include "sources/frame.h"
+#include "sources/line.h"
+
+namespace stillpoint::sources {
+
+/// Counted since the start.
+struct SplitCounts {
+  std::uint64_t readings = 0;
+  std::uint64_t malformed = 0;      ///< lines or frames that were damaged
+  std::uint64_t ignored = 0;        ///< comments, texts, blank lines, numbers before any header
+  std::uint64_t skipped_bytes = 0;  ///< between frames, and of lines too long to be one
+  std::uint64_t lost = 0;           ///< missing by the frames' counter
+};
+
+class Splitter {
+ public:
+  explicit Splitter(const io::StreamParams& params)
+      : format_(params), configured_(params.format), frames_(params.format) {}
+
+  /// Room for what arrives next; `received` says how much of it was filled. Never empty once `next` gave kNone.
+  [[nodiscard]] std::span<std::uint8_t> room() noexcept { return std::span(buffer_).subspan(end_); }
+  void received(std::size_t bytes) noexcept {
+    end_ += bytes;
+    unseen_ = true;
+  }
+  /// What was received last stands for itself (a datagram): a line needs no line feed there.
+  void end_of_datagram() noexcept;
+
+  /// The next reading, or kNone when more bytes are needed. `steps` is by how much the sender's count went on: more
+  /// than 1 where something was lost or damaged.
+  Piece next(Reading& out, std::uint64_t& steps) noexcept;
+
+  /// After a cut: what was there is forgotten. `in_midst`: the first line may have lost its head.
+  void restart(bool in_midst) noexcept;
+
+  [[nodiscard]] const SplitCounts& counts() const noexcept { return counts_; }
+  /// The last line that was no reading, cut to what is worth showing.
+  [[nodiscard]] std::string_view last_refused() const noexcept { return {refused_.data(), refused_size_}; }
+  [[nodiscard]] bool knows_positions() const noexcept { return format_.knows_positions(); }
+
+ private:
+  Piece next_line(Reading& out) noexcept;
+  Piece next_frame(Reading& out, std::uint64_t& steps) noexcept;
+  bool text_has_frames() noexcept;
+  void drop(std::size_t bytes) noexcept { begin_ += bytes; }
+  void compact() noexcept;
+  void refuse(std::string_view line) noexcept;
+  [[nodiscard]] std::span<const std::uint8_t> unread() const noexcept {
+    return std::span(buffer_).subspan(begin_, end_ - begin_);
+  }
+
+  LineFormat format_;
+  io::StreamFormat configured_, frames_;
+  std::array<std::uint8_t, 8192> buffer_{};
+  std::size_t begin_ = 0, end_ = 0;
+  SplitCounts counts_;
+  std::array<char, 60> refused_{};
+  std::size_t refused_size_ = 0;
+  std::uint64_t damaged_ = 0;  ///< since the last reading
+  bool unseen_ = false, skip_line_ = false, counter_known_ = false, overlong_ = false;
+  std::uint8_t counter_ = 0;
+};
+
+}  // namespace stillpoint::sources

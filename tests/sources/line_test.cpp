@@ -1,0 +1,94 @@
+#include "sources/line.h"
+
+#include <gtest/gtest.h>
+
+#include "core/units.h"
+
+namespace stillpoint::sources {
+namespace {
+
+LineFormat with_header(const char* header) {
+  LineFormat format({});
+  EXPECT_TRUE(format.use_header(header)) << header;
+  return format;
+}
+
+io::StreamParams columns(io::ColumnMap map) {
+  io::StreamParams params;
+  params.columns = std::move(map);
+  return params;
+}
+
+TEST(Line, ColumnsOfAHeaderComeInSiUnits) {
+  const auto format = with_header(
+      "time_ms,acc_x_g,acc_y_g,acc_z_g,gyr_x_dps,gyr_y_dps,gyr_z_dps,mag_x_gauss,"
+      "mag_y_gauss,mag_z_gauss,temp_degC");
+  Reading r;
+  ASSERT_EQ(format.parse("12.5,0,0,1,180,0,-90,0.2,0,-0.4,31.5\r", r), Piece::kReading);
+  EXPECT_EQ(r.sample.t_ns, 12'500'000);
+  EXPECT_EQ(r.sample.has, kAcc | kGyr | kMag | kTemp);
+  EXPECT_DOUBLE_EQ(r.sample.acc_mps2[2], kStandardGravity_mps2);
+  EXPECT_DOUBLE_EQ(r.sample.gyr_radps[0], 180 * kRadPerDeg);
+  EXPECT_DOUBLE_EQ(r.sample.mag_uT[2], -40.0);
+  EXPECT_DOUBLE_EQ(r.sample.temp_degC, 31.5);
+}
+
+TEST(Line, ARowMayHoldOneSensorAndATriadWithAMissingAxisIsNone) {
+  const auto format = with_header("time_s,acc_x_mps2,acc_y_mps2,acc_z_mps2,gyr_x_radps,gyr_y_radps,gyr_z_radps");
+  Reading r;
+  ASSERT_EQ(format.parse("1,,,,0.1,0.2,0.3", r), Piece::kReading);
+  EXPECT_EQ(r.sample.has, kGyr);
+  ASSERT_EQ(format.parse("1,1,nan,3,0.1,0.2,0.3", r), Piece::kReading);
+  EXPECT_EQ(r.sample.has, kGyr);
+  EXPECT_EQ(format.parse("1,,,,,,", r), Piece::kIgnored);
+}
+
+TEST(Line, HalfLinesGluedLinesAndGarbageAreMalformed) {
+  const auto format = with_header("time_s,acc_x_mps2,acc_y_mps2,acc_z_mps2");
+  Reading r;
+  for (const char* line : {"1,2,3", "1,2,3,4,5", "1,2,3,4x", "1,2,,3.4.5", "1,2,3,0x10", "1,2;3,4--", "\xff\xfe,1,2,3"})
+    EXPECT_EQ(format.parse(line, r), Piece::kMalformed) << line;
+  for (const char* line : {"", "  ", "# text", "\r"}) EXPECT_EQ(format.parse(line, r), Piece::kIgnored) << line;
+}
+
+TEST(Line, NumbersBeforeAnyHeaderAreNoReading) {
+  Reading r;
+  EXPECT_EQ(LineFormat({}).parse("1,2,3,4", r), Piece::kIgnored);
+}
+
+TEST(Line, TheConfigurationNamesColumnsByPositionOrByTheStreamsOwnName) {
+  auto params = columns({{"time_us", "1"}, {"acc_x_counts", "2"}, {"acc_y_counts", "3"}, {"acc_z_counts", "4"}});
+  params.acc_mps2_per_count = 0.001;
+  Reading r;
+  ASSERT_EQ(LineFormat(params).parse("5 9 -9 9807 what ever", r), Piece::kReading);
+  EXPECT_EQ(r.sample.t_ns, 5000);
+  EXPECT_DOUBLE_EQ(r.sample.acc_mps2[2], 9.807);
+
+  LineFormat named(columns({{"gyr_x_dps", "gx"}, {"gyr_y_dps", "gy"}, {"gyr_z_dps", "gz"}}));
+  ASSERT_TRUE(named.use_header("t\tgz\tgy\tgx"));
+  ASSERT_EQ(named.parse("0\t3\t2\t1", r), Piece::kReading);
+  EXPECT_FALSE(r.has_time);
+  EXPECT_DOUBLE_EQ(r.sample.gyr_radps[0], kRadPerDeg);
+}
+
+TEST(Line, JsonHoldsReadingsFlatNestedOrInArrays) {
+  Reading r;
+  const LineFormat plain({});
+  ASSERT_EQ(plain.parse(R"({"time_ns": 12, "acc_g": [0, 0, 1e0], "name": "a\"b", "ok": true, "n": null})", r),
+            Piece::kReading);
+  EXPECT_EQ(r.sample.t_ns, 12);
+  EXPECT_DOUBLE_EQ(r.sample.acc_mps2[2], kStandardGravity_mps2);
+  ASSERT_EQ(plain.parse(R"({"mag_x_uT":1,"mag_y_uT":2,"mag_z_uT":3})", r), Piece::kReading);
+  EXPECT_EQ(r.sample.has, kMag);
+  const LineFormat nested(
+      columns({{"gyr_x_radps", "imu.w.x"}, {"gyr_y_radps", "imu.w.y"}, {"gyr_z_radps", "imu.w.z"}}));
+  ASSERT_EQ(nested.parse(R"({"imu": {"w": {"x": 1, "y": 2, "z": 3}}})", r), Piece::kReading);
+  EXPECT_EQ(r.sample.gyr_radps, (Array3{1, 2, 3}));
+  for (const char* line : {"{", "{}x", R"({"a":})", R"({"a":1)", R"({"a" 1})", R"({"acc_g":[1,2})", "{{{{{{{{{{",
+                           R"({"a":[[[[[[[[[[1]]]]]]]]]]})"})
+    EXPECT_EQ(plain.parse(line, r), Piece::kMalformed) << line;
+  EXPECT_EQ(plain.parse("{}", r), Piece::kIgnored);
+}
+
+}  // namespace
+}  // namespace stillpoint::sources
