@@ -2,6 +2,7 @@
 /// Evidence is numbered. The parameters after number n take effect at the first sample at or after its end plus a
 /// fixed delay: a rule about sample times only, so a replay gives the same bits at any speed and on any machine.
 #pragma once
+#include <array>
 #include <concepts>
 #include <cstdint>
 #include <optional>
@@ -11,7 +12,6 @@
 #include "calib_online/online_calibrator.h"
 #include "calib_online/window.h"
 #include "core/calibration.h"
-#include "core/snapshot_cell.h"
 #include "core/spsc_ring.h"
 #include "pipeline/clock.h"
 
@@ -40,7 +40,8 @@ struct CalibrationAnswer {
   CalibrationSnapshot snapshot;
 };
 
-/// The sensor thread's end. `answer` gives what is known at or beyond evidence `number`; none: not learnt yet.
+/// The sensor thread's end. `answer` gives what was known after evidence `number`; none: not learnt yet. Numbers are
+/// asked for in order, each at most until it was given; those between may be left out.
 template <class L>
 concept CalibrationLink = requires(L link, const Evidence& evidence, std::uint64_t number) {
   { link.submit(evidence) }
@@ -49,29 +50,34 @@ concept CalibrationLink = requires(L link, const Evidence& evidence, std::uint64
   noexcept->std::same_as<std::optional<CalibrationAnswer>>;
 };
 
+/// Evidence that can be on its way at a time, and so many answers: at two a second more than the longest delay holds.
+inline constexpr std::size_t kMostOnTheWay = 64;
+
 /// One thread for everything: learns at once, answers when asked.
 class DirectLink {
  public:
   explicit DirectLink(calib::OnlineCalibrator& calibrator) noexcept : calibrator_(calibrator) {}
   bool submit(const Evidence& evidence) noexcept {
     evidence.teach(calibrator_);
-    number_ = evidence.number;
+    last_ = evidence.number;
+    answers_[last_ % kMostOnTheWay] = calibrator_.snapshot();
     return true;
   }
   std::optional<CalibrationAnswer> answer(std::uint64_t number) noexcept {
-    if (number_ < number) return std::nullopt;
-    return CalibrationAnswer{number_, calibrator_.snapshot()};
+    if (last_ < number) return std::nullopt;
+    return CalibrationAnswer{number, answers_[number % kMostOnTheWay]};
   }
 
  private:
   calib::OnlineCalibrator& calibrator_;
-  std::uint64_t number_ = 0;
+  std::array<CalibrationSnapshot, kMostOnTheWay> answers_{};
+  std::uint64_t last_ = 0;
 };
 
-/// Between the two threads: evidence goes out by a ring, answers come back by a one-writer cell.
+/// Between the two threads: evidence goes out by one ring, one answer to each comes back by another.
 struct CalibrationChannel {
-  SpscRing<Evidence, 64> evidence;
-  SnapshotCell<CalibrationAnswer> answers;
+  SpscRing<Evidence, kMostOnTheWay> evidence;
+  SpscRing<CalibrationAnswer, 2 * kMostOnTheWay> answers;
 };
 
 enum class OnLateAnswer : std::uint8_t {
@@ -89,8 +95,8 @@ class ThreadLink {
 
   std::optional<CalibrationAnswer> answer(std::uint64_t number) noexcept {
     while (true) {
-      const auto latest = channel_.answers.try_load();
-      if (latest && latest->number >= number) return latest;
+      while (last_.number < number && channel_.answers.try_pop(last_)) continue;
+      if (last_.number >= number) return last_;
       if (late_ == OnLateAnswer::kGoOn || stop_.load(std::memory_order_relaxed)) return std::nullopt;
       sleep_until_ns(monotonic_ns() + kWait_ns);
     }
@@ -99,6 +105,7 @@ class ThreadLink {
  private:
   static constexpr std::int64_t kWait_ns = 50'000;
   CalibrationChannel& channel_;
+  CalibrationAnswer last_;  ///< taken off the ring
   OnLateAnswer late_;
   const std::atomic<bool>& stop_;
 };

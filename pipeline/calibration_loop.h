@@ -54,7 +54,7 @@ class CalibrationLoop {
   void learn() {
     while (shared_.calibration.evidence.try_pop(evidence_)) {
       const bool changed = evidence_.teach(calibrator_);
-      shared_.calibration.answers.store({evidence_.number, calibrator_.snapshot()});
+      shared_.calibration.answers.try_push({evidence_.number, calibrator_.snapshot()});
       if (changed) observer_.on_calibration(evidence_, calibrator_.snapshot());
     }
   }

@@ -22,7 +22,10 @@ class CorrectStage {
                            .mag_uT = array(live_.mag.apply(raw.mag_uT, raw.temp_degC)),
                            .temp_degC = raw.temp_degC,
                            .has = raw.has,
+                           .acc_turn_rad = in.acc_turn_rad,
+                           .mag_turn_rad = in.mag_turn_rad,
                            .clipped = in.clipped,
+                           .absent = in.absent,
                            .calibration_version = live_.version};
     return in.clipped != 0 ? StageStatus::kDegraded : StageStatus::kOk;
   }

@@ -67,6 +67,7 @@ class FaultInjector {
     return state;
   }
   void prepare() noexcept { pipeline::prepare(source_); }
+  [[nodiscard]] bool live() const noexcept { return is_live(source_); }
 
  private:
   /// SplitMix64, uniform in [0, 1).

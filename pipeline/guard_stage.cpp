@@ -6,12 +6,14 @@
 namespace stillpoint::pipeline {
 namespace {
 
-/// So many samples in a row that advance among themselves, all behind the last one let through: the clock was set back.
-constexpr int kBackwardRun = 8;
 /// A reading a thousand times beyond full scale is a broken transfer, not a measurement.
 constexpr double kAbsurd = 1e3;
-/// 126 years either way: the difference of two such times fits into 64 bits, a time beyond is none.
-constexpr std::int64_t kLargestTime_ns = 4'000'000'000'000'000'000;
+/// Without a gyroscope reading for so many accelerometer readings, and overdue besides, the accelerometer leads.
+constexpr int kGyroscopeSilentRows = 8;
+/// Of the usual gap: a gyroscope that misses a few readings still leads.
+constexpr double kSilentOverGap = 4.0;
+/// A row of its own that lies further ahead is on another clock.
+constexpr std::int64_t kFurthestAhead_ns = 1'000'000'000;
 
 bool usable(const Array3& reading, double limit) noexcept {
   return std::all_of(reading.begin(), reading.end(),
@@ -24,96 +26,137 @@ bool at_limit(const Array3& reading, double limit) noexcept {
 
 }  // namespace
 
-void GuardStage::learn_step(std::int64_t step_ns) noexcept {
-  const auto step = static_cast<double>(step_ns);
-  // A running median: moves by a fixed share towards each step, so single gaps hardly count.
-  if (usual_step_ns_ == 0.0)
-    usual_step_ns_ = step;
-  else
-    usual_step_ns_ *= step > usual_step_ns_ ? 1.02 : 1.0 / 1.02;
+std::array<double, kSampleParts> GuardStage::usual_steps_s() const noexcept {
+  std::array<double, kSampleParts> steps_s{};
+  for (std::size_t k = 0; k < kSampleParts; ++k) steps_s[k] = 1e-9 * times_[k].usual_step_ns();
+  return steps_s;
 }
 
-bool GuardStage::advance(std::int64_t sensor_ns, std::int64_t& t_ns, bool& gap) noexcept {
-  if (sensor_ns > kLargestTime_ns || sensor_ns < -kLargestTime_ns || last_ns_ > kLargestTime_ns) return false;
-  t_ns = sensor_ns;
-  if (!started_) return true;
-  std::int64_t step = sensor_ns - last_sensor_ns_;
-  const auto one_step = std::max<std::int64_t>(1, static_cast<std::int64_t>(usual_step_ns_));
-  if (step <= 0) {
-    const bool follows = backward_run_ > 0 && sensor_ns > backward_last_ns_;
-    backward_run_ = follows ? backward_run_ + 1 : 1;
-    backward_last_ns_ = sensor_ns;
-    if (backward_run_ < kBackwardRun) return false;
-    // What was refused meanwhile took time; the gap that remains is what the filter must bridge.
-    step = kBackwardRun * one_step;
-  } else if (static_cast<double>(step) > 1e9 * params_.clock_step_s) {
-    step = one_step;
-  } else {
-    backward_run_ = 0;
-    t_ns = last_ns_ + step;
-    gap = usual_step_ns_ > 0.0 && static_cast<double>(step) > params_.gap_factor * usual_step_ns_;
-    if (gap) counts_.longest_gap_ns = std::max(counts_.longest_gap_ns, step);
-    learn_step(step);
+bool GuardStage::leads(const RawSample& in) noexcept {
+  if (in.holds(kGyr)) {
+    gyr_seen_ = true;
+    rows_without_gyr_ = 0;
     return true;
   }
-  ++counts_.clock_steps;
-  backward_run_ = 0;
-  gap = true;
-  last_sensor_ns_ = sensor_ns - step;  // on its new time base
-  t_ns = last_ns_ + step;
+  if (!in.holds(kAcc)) return false;
+  if (!gyr_seen_) return true;
+  return ++rows_without_gyr_ > kGyroscopeSilentRows &&
+         times_[part_index(kGyr)].overdue(clock_.in_pipeline_time(in.t_ns), kSilentOverGap * params_.gap_factor);
+}
+
+bool GuardStage::take_time(const RawSample& in, GuardedSample& out) noexcept {
+  if (out.leads) {
+    SensorClock::Step step;
+    if (!clock_.advance(in.t_ns, params_.gap_factor, params_.clock_step_s, step)) {
+      ++counts_.refused;
+      return false;
+    }
+    if (step.clock_was_set) ++counts_.clock_steps;
+    counts_.longest_gap_ns = std::max(counts_.longest_gap_ns, step.gap_ns);
+    out.after_gap = out.after_gap || step.gap;
+    out.sample.t_ns = step.t_ns;
+    return true;
+  }
+  if (!SensorClock::is_time(in.t_ns)) {
+    ++counts_.refused;
+    return false;
+  }
+  out.sample.t_ns = clock_.in_pipeline_time(in.t_ns);
+  const std::int64_t behind_ns = clock_.started() ? clock_.last_ns() - out.sample.t_ns : 0;
+  if (behind_ns >= static_cast<std::int64_t>(1e9 * params_.late_s) + 1 || -behind_ns > kFurthestAhead_ns) {
+    ++counts_.late;
+    return false;
+  }
+  for (const SamplePart part : {kAcc, kMag})
+    if (in.holds(part) && !times_[part_index(part)].follows(out.sample.t_ns)) {
+      ++counts_.refused;
+      return false;
+    }
   return true;
 }
 
-StageStatus GuardStage::process(const RawSample& in, GuardedSample& out) noexcept {
-  ++counts_.samples;
-  bool gap = false;
-  std::int64_t t_ns = 0;
-  if (!advance(in.t_ns, t_ns, gap)) {
-    ++counts_.refused;
-    return StageStatus::kDrop;
-  }
-  out = GuardedSample{in, 0, gap};
+void GuardStage::take_out_unusable(GuardedSample& out) noexcept {
   RawSample& sample = out.sample;
-  sample.t_ns = t_ns;
-  const auto inspect = [&](SamplePart part, Array3& reading, double limit) {
+  const auto take_out = [&sample](SamplePart part, Array3& reading) {
+    sample.has = static_cast<std::uint8_t>(sample.has & ~part);
+    reading = {};
+  };
+  if (out.after_gap)
+    for (SpikeGate* gate : {&acc_spikes_, &gyr_spikes_, &mag_spikes_}) gate->forget();
+  const auto inspect = [&](SamplePart part, Array3& reading, double limit, SpikeGate& gate) {
     if (!sample.holds(part)) return;
     if (!usable(reading, limit)) {
-      sample.has = static_cast<std::uint8_t>(sample.has & ~part);
-      reading = {};
+      take_out(part, reading);
       ++counts_.not_finite;
+    } else if (gate.refuses(reading)) {
+      take_out(part, reading);
+      out.spikes = static_cast<std::uint8_t>(out.spikes | part);
+      ++counts_.spikes;
     } else if (at_limit(reading, limit)) {
       out.clipped = static_cast<std::uint8_t>(out.clipped | part);
     }
   };
-  inspect(kAcc, sample.acc_mps2, params_.acc_limit_mps2);
-  inspect(kGyr, sample.gyr_radps, params_.gyr_limit_radps);
-  inspect(kMag, sample.mag_uT, params_.mag_limit_uT);
+  inspect(kAcc, sample.acc_mps2, params_.acc_limit_mps2, acc_spikes_);
+  inspect(kGyr, sample.gyr_radps, params_.gyr_limit_radps, gyr_spikes_);
+  inspect(kMag, sample.mag_uT, params_.mag_limit_uT, mag_spikes_);
+}
+
+/// The calibration depends on temperature: between two readings of a slow thermometer the last one holds.
+void GuardStage::take_temperature(RawSample& sample) noexcept {
   if (sample.holds(kTemp) && !(std::abs(sample.temp_degC) < 500.0)) {
     sample.has = static_cast<std::uint8_t>(sample.has & ~kTemp);
     ++counts_.not_finite;
   }
-  // The calibration depends on temperature: between two readings of a slow thermometer the last one holds.
   if (sample.holds(kTemp)) {
     temp_degC_ = sample.temp_degC;
-    temp_known_ = true;
+    temp_known_ = temp_fresh_ = true;
   }
   sample.temp_degC = temp_degC_;
+}
 
-  if ((sample.has & (kAcc | kGyr | kMag)) == 0) {
-    ++counts_.refused;
-    return StageStatus::kDrop;
+void GuardStage::note_readings(const RawSample& sample) noexcept {
+  for (const SamplePart part : {kAcc, kGyr, kMag, kTemp}) {
+    if (!sample.holds(part)) continue;
+    times_[part_index(part)].note(sample.t_ns);
+    ++counts_.readings[part_index(part)];
   }
-  if (started_ && in.sequence > last_sequence_ + 1) {
-    counts_.lost += in.sequence - last_sequence_ - 1;
-    out.after_gap = true;
+}
+
+std::uint8_t GuardStage::absent_at(std::int64_t t_ns) const noexcept {
+  unsigned absent = 0;
+  for (const SamplePart part : {kAcc, kGyr, kMag, kTemp}) {
+    const ReadingTimes& times = times_[part_index(part)];
+    if (!times.seen() || times.overdue(t_ns, params_.gap_factor)) absent |= part;
   }
-  if (out.after_gap) ++counts_.gaps;
-  if (out.clipped != 0) ++counts_.clipped;
-  last_ns_ = t_ns;
-  last_sensor_ns_ = in.t_ns;
+  return static_cast<std::uint8_t>(absent);
+}
+
+StageStatus GuardStage::process(const RawSample& in, GuardedSample& out) noexcept {
+  const bool jumped = started_ && in.sequence > last_sequence_ + 1;
+  if (jumped) counts_.lost += in.sequence - last_sequence_ - 1;
   last_sequence_ = in.sequence;
   started_ = true;
-  return out.after_gap || out.clipped != 0 || sample.has != in.has ? StageStatus::kDegraded : StageStatus::kOk;
+  if (in.has == 0) return StageStatus::kDrop;  // nothing was measured: a row of a reference, say
+  out = GuardedSample{.sample = in};
+  out.leads = leads(in);
+  out.after_gap = jumped;
+  if (out.leads) ++counts_.samples;
+  if (!take_time(in, out)) return StageStatus::kDrop;
+  take_out_unusable(out);
+  take_temperature(out.sample);
+  note_readings(out.sample);
+  if (!holds_triad(out.sample)) {
+    if ((in.has & (kAcc | kGyr | kMag)) != 0) ++counts_.refused;
+    return StageStatus::kDrop;
+  }
+  if (out.clipped != 0) ++counts_.clipped;
+  if (!out.leads) return StageStatus::kOk;
+  if (out.after_gap) ++counts_.gaps;
+  if (temp_fresh_) out.sample.has = static_cast<std::uint8_t>(out.sample.has | kTemp);
+  temp_fresh_ = false;
+  out.absent = absent_at(out.sample.t_ns);
+  clock_.keep(in.t_ns, out.sample.t_ns);
+  return out.after_gap || out.clipped != 0 || out.sample.has != in.has ? StageStatus::kDegraded : StageStatus::kOk;
 }
 
 }  // namespace stillpoint::pipeline

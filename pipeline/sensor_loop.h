@@ -4,6 +4,7 @@
 #include <atomic>
 
 #include "core/attitude_message.h"
+#include "core/snapshot_cell.h"
 #include "pipeline/rehearsal.h"
 #include "pipeline/stages.h"
 
@@ -30,6 +31,8 @@ struct SensorReport {
   std::uint64_t write_failures = 0;
   std::uint64_t ring_dropped = 0;
   double usual_step_s = 0.0;
+  std::array<double, kSampleParts> usual_steps_s{};  ///< between readings of each part
+  std::uint64_t rounds = 0;                          ///< grows as long as the sensor thread goes on, samples or not
   calib::Refusal last_refusal = calib::Refusal::kNone;
 };
 
@@ -91,7 +94,7 @@ class SensorLoop {
     const std::int64_t now_ns = monotonic_ns();
     shared_.processing.add(now_ns - start_ns);
     if (usable) {
-      out_.message = to_message(result_, stages_.true_heading());
+      out_.message = to_message(result_);
       out_.message.t_arrival_ns = arrival_.arrival_ns;
       out_.message.gaps = stages_.guard().counts().gaps;
       out_.message.dropped = shared_.outgoing.dropped() + counts_.write_failures;
@@ -113,11 +116,13 @@ class SensorLoop {
   }
 
   void report() noexcept {
+    ++counts_.rounds;
     counts_.last_arrival_ns = arrival_.arrival_ns;
     counts_.guard = stages_.guard().counts();
     counts_.stages = stages_.counts();
     counts_.ring_dropped = shared_.outgoing.dropped();
     counts_.usual_step_s = stages_.guard().usual_step_s();
+    counts_.usual_steps_s = stages_.guard().usual_steps_s();
     counts_.last_refusal = stages_.last_refusal();
     shared_.report.store(counts_);
     next_report_ns_ = monotonic_ns() + kReportPeriod_ns;

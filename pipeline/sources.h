@@ -61,6 +61,7 @@ class PacedSource {
   void prepare() noexcept {
     if (factor_ > 0.0 && !drawn_) drawn_ = source_.next(pending_);
   }
+  [[nodiscard]] bool live() const noexcept { return is_live(source_); }
 
  private:
   static constexpr std::int64_t kLongestSleep_ns = 100'000'000;

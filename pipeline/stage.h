@@ -53,6 +53,14 @@ void prepare(S& source) noexcept {
   if constexpr (requires { source.prepare(); }) source.prepare();
 }
 
+/// Whether readings come at their own time and not at ours. Nothing may wait for a late answer of the calibration then;
+/// a replay waits instead, so that its result does not depend on the machine. A source says so by `live()`.
+template <Source S>
+[[nodiscard]] bool is_live(const S& source) noexcept {
+  if constexpr (requires { source.live(); }) return source.live();
+  return false;
+}
+
 /// Takes each message on the sensor thread. False: the message was lost (counted by the caller).
 template <class S, class Message>
 concept Sink = requires(S sink, const Message& message) {

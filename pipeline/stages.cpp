@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
+#include <utility>
 
 namespace stillpoint::pipeline {
 namespace {
@@ -16,20 +18,22 @@ bool publishable(const fusion::AttitudeEstimate& e) noexcept {
          std::all_of(e.covariance_world_rad2.begin(), e.covariance_world_rad2.end(), finite);
 }
 
+/// Any attitude: each angle is even over the half turn to either side.
+void state_ignorance(fusion::AttitudeEstimate& e) noexcept {
+  constexpr double kAnyAngle_rad = std::numbers::pi / std::numbers::sqrt3;
+  e.covariance_world_rad2 = array(Mat3(kAnyAngle_rad * kAnyAngle_rad * Mat3::Identity()));
+  e.sigma_roll_rad = e.sigma_pitch_rad = e.sigma_yaw_rad = kAnyAngle_rad;
+  if (e.status == AttitudeStatus::kOk) e.status = AttitudeStatus::kDegraded;
+}
+
 AttitudeStatus status_of(const Processed& p) noexcept {
-  switch (p.attitude.status) {
-    case fusion::AttitudeStatus::kWaiting:
-      return AttitudeStatus::kInitializing;
-    case fusion::AttitudeStatus::kOk:
-      return p.after_gap || p.sample.clipped != 0 ? AttitudeStatus::kDegraded : AttitudeStatus::kOk;
-    default:
-      return AttitudeStatus::kDegraded;
-  }
+  const bool imperfect = p.after_gap || p.sample.clipped != 0 || p.health.worst() != Health::kOk;
+  return p.attitude.status == AttitudeStatus::kOk && imperfect ? AttitudeStatus::kDegraded : p.attitude.status;
 }
 
 }  // namespace
 
-AttitudeMessage to_message(const Processed& p, bool true_heading) noexcept {
+AttitudeMessage to_message(const Processed& p) noexcept {
   const fusion::AttitudeEstimate& e = p.attitude;
   AttitudeMessage m;
   m.t_ns = e.t_ns;
@@ -43,21 +47,42 @@ AttitudeMessage to_message(const Processed& p, bool true_heading) noexcept {
   if (p.temp_measured) m.temp_degC = p.sample.temp_degC;
   m.at_rest = e.at_rest;
   m.status = status_of(p);
-  if (e.heading != fusion::HeadingReference::kRelative)
-    m.heading_reference = true_heading ? HeadingReference::kTrue : HeadingReference::kMagnetic;
+  m.heading_reference = e.heading;
+  m.health = p.health;
   return m;
 }
 
-StageStatus Stages::estimate(Processed& out) noexcept {
-  const fusion::AttitudeEstimate estimate = filter_.step(out.sample, rest_.at_rest());
-  if (estimate.status == fusion::AttitudeStatus::kRefused) return StageStatus::kDrop;
+/// Where two contradict each other (kAxes, kInconsistent) neither is known to be the wrong one.
+CalibratedSample believed(const CalibratedSample& sample, const SensorsHealth& health) noexcept {
+  CalibratedSample b = sample;
+  for (const auto& [part, of] :
+       {std::pair{kAcc, &health.acc}, std::pair{kGyr, &health.gyr}, std::pair{kMag, &health.mag}}) {
+    if (of->state != Health::kFaulty || of->fault == Fault::kAxes || of->fault == Fault::kInconsistent) continue;
+    b.has = static_cast<std::uint8_t>(b.has & ~part);
+    b.absent = static_cast<std::uint8_t>(b.absent | part);
+  }
+  return b;
+}
+
+StageStatus Stages::estimate(const GuardedSample& guarded, Processed& out) noexcept {
+  fusion::AttitudeEstimate estimate = filter_.step(believed(out.sample, health_.now()), rest_.at_rest());
+  if (estimate.refused) return StageStatus::kDrop;
+  out.health = health_.observe(guarded, out.sample, estimate);
+  const bool other_unit = out.health.gyr.fault == Fault::kUnits;
+  if (other_unit_ && !other_unit) {  // what turned sixty times too far left nothing to go on from
+    filter_.reset(params_.initial_heading_rad);
+    estimate = filter_.step(out.sample, rest_.at_rest());
+    if (estimate.refused) return StageStatus::kDrop;
+  }
+  other_unit_ = other_unit;
+  if (HealthMonitor::unfounded(out.health)) state_ignorance(estimate);
   out.attitude = in_frame(estimate, params_.frame);
   if (!publishable(out.attitude)) {
     ++counts_.gate_refused;
     filter_.reset(params_.initial_heading_rad);  // what is broken must not stay broken
     return StageStatus::kDrop;
   }
-  return estimate.status == fusion::AttitudeStatus::kOk ? StageStatus::kOk : StageStatus::kDegraded;
+  return estimate.status == AttitudeStatus::kOk ? StageStatus::kOk : StageStatus::kDegraded;
 }
 
 }  // namespace stillpoint::pipeline

@@ -1,5 +1,5 @@
-/// The stages in their order, one call a sample: guard -> rest -> correct -> compensate -> attitude. The daemon's
-/// sensor thread and the offline `estimate` run this same class; only the link to the calibration differs.
+/// The stages in their order, one call a row: guard -> assemble -> rest -> correct -> compensate -> attitude. The
+/// daemon's sensor thread and the offline `estimate` run this same class; only the link to the calibration differs.
 #pragma once
 #include <optional>
 
@@ -7,13 +7,21 @@
 #include "calib_online/rest_detector.h"
 #include "core/attitude_message.h"
 #include "fusion/attitude_filter.h"
+#include "pipeline/answer_schedule.h"
+#include "pipeline/assemble_stage.h"
 #include "pipeline/calibration_link.h"
 #include "pipeline/compensate_stage.h"
 #include "pipeline/correct_stage.h"
 #include "pipeline/frame.h"
+#include "pipeline/full_scale.h"
 #include "pipeline/guard_stage.h"
+#include "pipeline/health_monitor.h"
 
 namespace stillpoint::pipeline {
+
+/// The smallest that accelerometers (2 g) and gyroscopes (125 deg/s) are sold with, less the offset of a rail.
+inline constexpr double kSmallestAccScale_mps2 = 17.0;
+inline constexpr double kSmallestGyrScale_radps = 2.0;
 
 struct StagesParams {
   GuardParams guard;
@@ -31,11 +39,15 @@ struct Processed {
   fusion::AttitudeEstimate attitude;  ///< in the output frame
   CalibratedSample sample;            ///< corrected and compensated, in the sensor's frame
   bool after_gap = false;
+  SensorsHealth health;
   bool temp_measured = false;  ///< the temperature is the sensor's own, now or a little while ago
 };
 
+/// Without the readings of faulty sensors: one of those does not speak, and the filter knows how to live without.
+[[nodiscard]] CalibratedSample believed(const CalibratedSample& sample, const SensorsHealth& health) noexcept;
+
 /// As it is published; what only the publishing thread knows (arrival, counters) is left at its default.
-[[nodiscard]] AttitudeMessage to_message(const Processed& processed, bool true_heading) noexcept;
+[[nodiscard]] AttitudeMessage to_message(const Processed& processed) noexcept;
 
 /// Counted on the sensor thread.
 struct StagesCounts {
@@ -54,6 +66,7 @@ class Stages {
   Stages(const StagesParams& params, const CalibrationSnapshot& start) noexcept
       : params_(params),
         guard_(params.guard),
+        assemble_(params.guard.late_s, start.gyr),
         rest_(rest_of(params)),
         correct_(start),
         compensate_(params.compensation),
@@ -61,11 +74,13 @@ class Stages {
     filter_.reset(params.initial_heading_rad);
   }
 
-  /// kDrop: nothing may be published for this sample.
+  /// kDrop: nothing may be published for this row.
   template <CalibrationLink Link>
   StageStatus process(const RawSample& raw, Processed& out, Link& link) noexcept {
-    GuardedSample guarded;
-    if (guard_.process(raw, guarded) == StageStatus::kDrop) return StageStatus::kDrop;
+    GuardedSample row, guarded;
+    if (guard_.process(raw, row) == StageStatus::kDrop) return StageStatus::kDrop;
+    find_rails(row);
+    if (assemble_.process(row, guarded) == StageStatus::kDrop) return StageStatus::kDrop;
     take_answer(guarded.sample.t_ns, link);
     find_window(guarded.sample, link);
     find_turn(guarded, link);
@@ -74,14 +89,13 @@ class Stages {
     compensate_.process(corrected, out.sample);
     out.after_gap = guarded.after_gap;
     out.temp_measured = guard_.temp_known();
-    return estimate(out);
+    return estimate(guarded, out);
   }
 
   [[nodiscard]] const GuardStage& guard() const noexcept { return guard_; }
   [[nodiscard]] const StagesCounts& counts() const noexcept { return counts_; }
   [[nodiscard]] const CalibrationSnapshot& live() const noexcept { return correct_.live(); }
-  /// With a declination the magnetic heading is a true one.
-  [[nodiscard]] bool true_heading() const noexcept { return params_.attitude.declination_rad != 0.0; }
+  [[nodiscard]] const fusion::AttitudeFilter& filter() const noexcept { return filter_; }
   [[nodiscard]] calib::Refusal last_refusal() const noexcept { return rest_.last_refusal(); }
 
  private:
@@ -94,20 +108,27 @@ class Stages {
     return rest;
   }
 
+  void find_rails(GuardedSample& guarded) noexcept {
+    if (guarded.sample.holds(kAcc) && acc_scale_.at_rail(guarded.sample.acc_mps2)) guarded.clipped |= kAcc;
+    if (guarded.sample.holds(kGyr) && gyr_scale_.at_rail(guarded.sample.gyr_radps)) guarded.clipped |= kGyr;
+  }
+
   template <CalibrationLink Link>
   void take_answer(std::int64_t t_ns, Link& link) noexcept {
-    if (answered_ == submitted_ || t_ns < due_ns_) return;
-    const auto answer = link.answer(submitted_);
+    const auto due = schedule_.due(t_ns);
+    if (!due) return;
+    const auto answer = link.answer(*due);
     if (!answer) {
       if (!late_) ++counts_.answers_late;
       late_ = true;
       return;
     }
     late_ = false;
-    answered_ = submitted_;
+    schedule_.taken(*due);
     if (answer->snapshot.version == live().version) return;
     filter_.rebase(live(), answer->snapshot);
     correct_.use(answer->snapshot);
+    assemble_.use(answer->snapshot.gyr);
   }
 
   template <CalibrationLink Link>
@@ -124,7 +145,7 @@ class Stages {
 
   template <CalibrationLink Link>
   void find_turn(const GuardedSample& guarded, Link& link) noexcept {
-    auto turn = turns_.push(guarded.sample, guarded.clipped, live());
+    auto turn = turns_.push(guarded.sample, guarded.clipped, live(), guarded.mag_turn_rad);
     if (!turn || !params_.learn) return;
     compensate_.compensate(*turn, live());
     submit(*turn, link);
@@ -132,27 +153,30 @@ class Stages {
 
   template <class Found, CalibrationLink Link>
   void submit(const Found& found, Link& link) noexcept {
-    if (!link.submit({submitted_ + 1, found})) {
+    const std::int64_t due_ns = found.t_end_ns + static_cast<std::int64_t>(1e9 * params_.answer_delay_s);
+    if (schedule_.full() || !link.submit({schedule_.next(), found})) {
       ++counts_.evidence_dropped;
       return;
     }
-    ++submitted_;
-    due_ns_ = found.t_end_ns + static_cast<std::int64_t>(1e9 * params_.answer_delay_s);
+    schedule_.submitted(due_ns);
   }
 
-  StageStatus estimate(Processed& out) noexcept;
+  StageStatus estimate(const GuardedSample& guarded, Processed& out) noexcept;
 
   StagesParams params_;
   GuardStage guard_;
+  AssembleStage assemble_;
+  AnswerSchedule schedule_;
+  FullScale acc_scale_{kSmallestAccScale_mps2}, gyr_scale_{kSmallestGyrScale_radps};
   calib::RestDetector rest_;
   calib::FieldTurnFinder turns_;
   CorrectStage correct_;
   CompensateStage compensate_;
   fusion::AttitudeFilter filter_;
+  HealthMonitor health_;
   StagesCounts counts_;
-  std::uint64_t submitted_ = 0, answered_ = 0;  ///< numbers of evidence
-  std::int64_t due_ns_ = 0;
   bool late_ = false;
+  bool other_unit_ = false;  ///< the gyroscope spoke in one
 };
 
 }  // namespace stillpoint::pipeline

@@ -5,6 +5,7 @@
 
 #include <memory>
 
+#include "c_api/stillpoint.h"
 #include "pipeline/sensor_loop.h"
 #include "tests/pipeline/samples.h"
 
@@ -36,13 +37,34 @@ TEST(Allocations, TenThousandSamplesThroughTheSensorThreadsStagesMakeNone) {
       windows_before = stages.counts().windows;
     }
     ASSERT_NE(stages.process(samples[i], *processed, link), StageStatus::kDrop);
-    out->message = to_message(*processed, false);
+    out->message = to_message(*processed);
     shared->outgoing.try_push(*out);
     if (i % 100 == 0) shared->outgoing.try_pop(*out);
     shared->latency.add(static_cast<std::int64_t>(i));
   }
   EXPECT_EQ(bench::allocations() - before, 0U);
   EXPECT_GT(stages.counts().windows, windows_before) << "no window was found: the count would not cover them";
+}
+
+TEST(Allocations, TheCInterfaceMakesNoneAfterCreation) {
+  const auto samples = test::hand_samples(60.0);
+  stillpoint_imu* const imu = stillpoint_create(nullptr, 0, nullptr, 0);
+  stillpoint_attitude attitude;
+  stillpoint_calibration calibration;
+  const std::size_t before = bench::allocations();
+  for (const RawSample& s : samples) {
+    stillpoint_reading r{s.t_ns, {}, {}, {}, s.temp_degC, s.has};
+    std::copy(s.acc_mps2.begin(), s.acc_mps2.end(), r.acc_mps2);
+    std::copy(s.gyr_radps.begin(), s.gyr_radps.end(), r.gyr_radps);
+    std::copy(s.mag_uT.begin(), s.mag_uT.end(), r.mag_uT);
+    ASSERT_EQ(stillpoint_push(imu, &r), STILLPOINT_DONE);
+    stillpoint_get_attitude(imu, s.t_ns, &attitude, sizeof attitude);
+  }
+  stillpoint_get_calibration(imu, STILLPOINT_ACC, &calibration, sizeof calibration);
+  stillpoint_set_calibration(imu, STILLPOINT_ACC, &calibration, sizeof calibration);
+  EXPECT_EQ(bench::allocations() - before, 0U);
+  EXPECT_GT(attitude.calibration_version, 0U);
+  stillpoint_destroy(imu);
 }
 
 TEST(Allocations, ARehearsalMakesNone) {

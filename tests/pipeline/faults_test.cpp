@@ -38,7 +38,7 @@ Outcome run(const FaultParams& faults, double seconds = 60.0) {
   std::int64_t last_ns = std::numeric_limits<std::int64_t>::min();
   while (source.next(arrival) == SourceState::kSample) {
     if (stages.process(arrival.sample, processed, link) == StageStatus::kDrop) continue;
-    const AttitudeMessage m = to_message(processed, false);
+    const AttitudeMessage m = to_message(processed);
     ++outcome.published;
     outcome.invalid += valid(m) ? 0U : 1U;
     outcome.backward += m.t_ns > last_ns ? 0U : 1U;

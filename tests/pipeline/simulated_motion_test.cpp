@@ -90,5 +90,30 @@ TEST(SimulatedMotion, IronOnTheBodyIsLearntBesideAMagnetInTheRoom) {
   }
 }
 
+/// Whatever a start in the middle of a motion has made of the tilt and the speed: a rest shows both, and nothing of the
+/// contradiction may end in another state. The sensor is known, so there is nothing else to learn.
+TEST(SimulatedMotion, StartedInMotionTheFirstRestSettlesTheTilt) {
+  constexpr char kKnown[] =
+      "rate_hz: 100\n"
+      "accelerometer: {noise_mps2: 0.03}\ngyroscope: {noise_radps: 0.002}\nmagnetometer: {noise_uT: 0.4}\n"
+      "motion: {kind: hand, duration_s: 60}\n";
+  for (std::uint64_t seed = 1; seed <= 60; ++seed) {
+    const auto simulation = io::parse_simulation(kKnown, "test");
+    SP_EXPECTS(simulation.has_value());
+    calib::OnlineCalibrator calibrator({}, {});
+    DirectLink link(calibrator);
+    Stages stages({}, calibrator.snapshot());
+    Processed out;
+    double moved_s = 0.0, rested_s = 0.0, worst_deg = 0.0;
+    for (const sim::SimulatedSample& s : sim::simulate(*simulation, seed)) {
+      moved_s += s.moving ? 0.01 : 0.0;
+      if (moved_s < 1.0 || stages.process(s.sample, out, link) == StageStatus::kDrop) continue;
+      rested_s = out.attitude.at_rest ? rested_s + 0.01 : 0.0;
+      if (rested_s > 0.5) worst_deg = std::max(worst_deg, test::world_error(s, out).head<2>().norm() * kDegPerRad);
+    }
+    EXPECT_LT(worst_deg, 2.0) << "seed " << seed;
+  }
+}
+
 }  // namespace
 }  // namespace stillpoint::pipeline

@@ -1,0 +1,49 @@
+#include "pipeline/full_scale.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace stillpoint::pipeline {
+namespace {
+
+constexpr int kPlateaus = 3;       ///< one could be chance
+constexpr double kRunUp = 0.01;    ///< part of the rail: what came in faster does not stop at once by itself
+constexpr double kAtRail = 0.999;  ///< rounding of the source, and what interpolation leaves of it
+constexpr double kBeyondRail = 1.003;
+
+}  // namespace
+
+bool FullScale::at_rail(Axis& axis, double reading, bool others_live) noexcept {
+  const double step = reading - axis.last;
+  Rail& rail = axis.rails[reading > 0.0 ? 1 : 0];
+  const double size = std::abs(reading);
+  if (step == 0.0 && others_live) {
+    if (axis.same++ == 0) axis.run_up = std::abs(axis.step);
+  } else if (step != 0.0) {
+    axis.same = 0;
+    rail.counted = false;
+  }
+  axis.step = step;
+  axis.last = reading;
+  if (size > kBeyondRail * rail.value && rail.value > 0.0) rail = {};  // it was none
+  const bool plateau = axis.same >= 1 && size >= smallest_ && axis.run_up > kRunUp * size;
+  if (plateau && !rail.counted) {
+    if (size < kAtRail * rail.value) return false;  // a plateau below the rail is something else
+    rail.plateaus = static_cast<std::uint8_t>(std::min(rail.plateaus + 1, kPlateaus));
+    rail.value = std::max(rail.value, size);
+    rail.counted = true;
+  }
+  return rail.plateaus >= kPlateaus && size >= kAtRail * rail.value;
+}
+
+bool FullScale::at_rail(const Array3& reading) noexcept {
+  bool any = false;
+  for (std::size_t i = 0; i < 3; ++i) {
+    const std::size_t j = (i + 1) % 3, k = (i + 2) % 3;
+    any |= at_rail(axes_[i], reading[i], reading[j] != last_[j] || reading[k] != last_[k]);
+  }
+  last_ = reading;
+  return any;
+}
+
+}  // namespace stillpoint::pipeline

@@ -1,0 +1,244 @@
+#include "pipeline/health_monitor.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "core/so3.h"
+#include "core/units.h"
+
+namespace stillpoint::pipeline {
+namespace {
+
+constexpr double kStuck_s = 1.0;        ///< noise changes a living reading long before
+constexpr double kStuckTurn_rad = 1.0;  ///< a magnetometer may be slow; the body turning beneath it is not
+constexpr double kStuckAxis_s = 1.5;
+constexpr double kLongerThanEver = 5.0;  ///< a coarse sensor repeats itself at rest: it has before
+constexpr double kAlive = 0.5, kAlive_s = 5.0;
+/// Of the other two axes, while one repeats itself.
+constexpr double kAccMoved_mps2 = 4.0, kGyrMoved_radps = 1.0;
+constexpr double kMean_s = 10.0, kNow_s = 1.0;
+constexpr double kClippedShare = 0.02;
+/// Mean norm of specific force: of a hand or a runner 8 to 13 m/s^2, shaken hard 25; in g it is 1, in mg 1000.
+constexpr double kSmallestForce_mps2 = 5.0, kLargestForce_mps2 = 60.0;
+constexpr double kNoForce_mps2 = 2.0;        ///< for a second: a fall of 5 m, or g
+constexpr double kWrongForce = 0.2;          ///< of g, at rest, after calibration
+constexpr double kLargestRate_radps = 30.0;  ///< not 1700 deg/s for ten seconds; degrees read as radians do
+constexpr double kRest_s = 1.0;
+constexpr double kAbsurdRate_radps = 50.0;  ///< nor 2900 for one
+constexpr double kSpikes = 1.5;             ///< in ten seconds: one may happen
+constexpr double kWindow_s = 0.6, kEnds_s = 0.1;
+constexpr double kQuiet = 0.15;  ///< of g: at both ends the body accelerates little
+/// Of g^2: by the gyroscope gravity has moved by 0.5 rad, beyond what the acceleration of such ends pretends.
+constexpr double kSmallestTurn2 = 0.3;
+constexpr double kFast_s = 1.0, kSlow_s = 3.0;
+/// In axes that do not turn a mean of 1.35 g over a second needs 3.4 m/s gained upward, and then another second's.
+constexpr double kStrong = 1.35, kStrong_s = 1.0;
+constexpr double kApart = 0.64, kApart_s = 0.3;  ///< cosine: 50 deg, beyond any acceleration of a second
+constexpr double kWeak = 0.15;                   ///< of g: less has no direction
+constexpr double kContradiction_s = 20.0;
+constexpr int kWindows = 5;
+constexpr double kForget = 0.9;
+constexpr double kFaultyShare = 0.5;  ///< of the change that the gyroscope leaves unexplained
+
+SensorHealth healthy() { return {}; }
+/// `evidence` over its limit is above 1.
+SensorHealth faulty(Fault fault, double evidence) { return {Health::kFaulty, fault, 0, evidence}; }
+SensorHealth suspect(Fault fault, double evidence) { return {Health::kSuspect, fault, 0, evidence}; }
+
+/// One more state: the time with which it began is kept while it lasts.
+void follow(SensorHealth& now, SensorHealth found, std::int64_t t_ns) {
+  found.since_ns = found.state == now.state && found.fault == now.fault ? now.since_ns : t_ns;
+  now = found;
+}
+
+}  // namespace
+
+void HealthMonitor::FadingMean::add(double x, double dt_s, double longest_s) noexcept {
+  over_s = std::min(over_s + dt_s, longest_s);
+  if (over_s > 0.0) value += dt_s / over_s * (x - value);
+}
+
+void HealthMonitor::Readings::note(const Array3& reading, bool clipped_now, double dt_s) noexcept {
+  const bool same = heard && reading == last;
+  if (!same) longest_same_s = std::max(longest_same_s, same_s);
+  same_s = same ? same_s + dt_s : 0.0;
+  for (std::size_t k = 0; k < 3; ++k) {
+    Axis& a = axes[k];
+    if (heard && reading[k] == last[k]) {
+      a.same_s += dt_s;
+      for (const std::size_t j : {(k + 1) % 3, (k + 2) % 3})
+        a.others_moved = std::max(a.others_moved, std::abs(reading[j] - a.others[j]));
+    } else {
+      const double silent_s = std::min(a.same_s, kAlive_s);
+      a.alive += (dt_s * (1.0 - a.alive) - silent_s * a.alive) / kAlive_s;
+      a = {0.0, std::clamp(a.alive, 0.0, 1.0), reading, 0.0};
+    }
+  }
+  zero_s = vec(reading).isZero(0.0) ? zero_s + dt_s : 0.0;
+  norm.add(vec(reading).norm(), dt_s, kMean_s);
+  norm_now.add(vec(reading).norm(), dt_s, kNow_s);
+  clipped += std::min(1.0, dt_s) * ((clipped_now ? 1.0 : 0.0) - clipped);
+  last = reading;
+  heard = true;
+}
+
+/// How long one axis has repeated itself while the others moved by so much; 0: none has.
+double HealthMonitor::Readings::stuck_axis_s(double moved) const noexcept {
+  double longest_s = 0.0;
+  for (const Axis& a : axes)
+    if (a.alive > kAlive && a.others_moved > moved) longest_s = std::max(longest_s, a.same_s);
+  return longest_s;
+}
+
+/// All three repeat themselves for longer than this sensor ever did.
+bool HealthMonitor::Readings::hung() const noexcept {
+  return heard && norm.over_s >= kMean_s && same_s > kStuck_s && same_s > kLongerThanEver * longest_same_s;
+}
+
+void HealthMonitor::follow_gravity(const CalibratedSample& sample, double dt_s) noexcept {
+  Turns& t = turns_;
+  if (!sample.holds(kGyr) || dt_s > kEnds_s) {
+    t.begun = false;
+    t.mean_s = t.since_s = 0.0;
+    return;
+  }
+  const Quat turned = renormalized(Quat(t.q[0], t.q[1], t.q[2], t.q[3]) * exp_quat(dt_s * vec(sample.gyr_radps)));
+  t.q = {turned.w(), turned.x(), turned.y(), turned.z()};
+  t.since_s += dt_s;
+  if (t.since_s > kWindow_s - kEnds_s && sample.holds(kAcc)) {
+    // In the frame of the window's start, so that turning within the mean does not blur it.
+    t.mean_s += dt_s;
+    vec(t.mean) += dt_s / t.mean_s * (turned * vec(sample.acc_mps2) - Vec3(vec(t.mean)));
+  }
+  if (t.since_s < kWindow_s) return;
+  const Vec3 end_in_start = vec(t.mean), start = vec(t.before);
+  const Vec3 end = turned.conjugate() * end_in_start;
+  const auto quiet = [](const Vec3& f) {
+    return std::abs(f.norm() - kStandardGravity_mps2) < kQuiet * kStandardGravity_mps2;
+  };
+  const double g2 = kStandardGravity_mps2 * kStandardGravity_mps2;
+  const double predicted = (turned.conjugate() * start - start).squaredNorm();
+  if (t.begun && t.mean_s > 0.0 && quiet(start) && quiet(end) && predicted > kSmallestTurn2 * g2) {
+    t.with = kForget * t.with + (end_in_start - start).squaredNorm();
+    t.without = kForget * t.without + (end - start).squaredNorm();
+    t.windows = std::min(t.windows + 1, kWindows);
+  }
+  t.before = array(end);
+  t.begun = t.mean_s > 0.0;
+  t.q = {1, 0, 0, 0};
+  t.mean = {};
+  t.mean_s = t.since_s = 0.0;
+}
+
+/// What is constant in the world averages to gravity however the body turns. A wrong scale makes it too large; a sensor
+/// that mirrors, exchanges or loses an axis makes it jump to another direction, which the turn does not explain.
+void HealthMonitor::follow_pull(const CalibratedSample& sample, const Array3& rate_radps, double dt_s) noexcept {
+  Pull& p = pull_;
+  p.contradicted_s = std::max(0.0, p.contradicted_s - dt_s);
+  if (!sample.holds(kGyr) || dt_s > kEnds_s) {
+    p = {.contradicted_s = p.contradicted_s};
+    return;
+  }
+  const Mat3 carry = exp_so3(Vec3(-dt_s * vec(rate_radps)));
+  for (Array3* mean : {&p.fast, &p.slow}) vec(*mean) = carry * vec(*mean);
+  if (!sample.holds(kAcc) || dt_s <= 0.0) return;
+  p.over_s += dt_s;
+  const Vec3 force = vec(sample.acc_mps2);
+  vec(p.fast) += dt_s / std::min(p.over_s, kFast_s) * (force - Vec3(vec(p.fast)));
+  vec(p.slow) += dt_s / std::min(p.over_s, kSlow_s) * (force - Vec3(vec(p.slow)));
+  if (p.over_s < kSlow_s) return;
+  const Vec3 fast = vec(p.fast) / kStandardGravity_mps2, slow = vec(p.slow) / kStandardGravity_mps2;
+  p.strong_s = fast.norm() > kStrong ? p.strong_s + dt_s : 0.0;
+  const bool apart = std::min(fast.norm(), slow.norm()) > kWeak && fast.dot(slow) < kApart * fast.norm() * slow.norm();
+  p.apart_s = apart ? p.apart_s + dt_s : 0.0;
+  if (p.apart_s > kApart_s) p.contradicted_s = kContradiction_s;
+}
+
+SensorHealth HealthMonitor::judge_acc(const GuardedSample& g) const noexcept {
+  if ((g.absent & kAcc) != 0 || !acc_.heard) return {Health::kAbsent, Fault::kAbsent};
+  if (acc_.zero_s > kStuck_s) return faulty(Fault::kZero, acc_.zero_s / kStuck_s);
+  if (acc_.same_s > kStuck_s && gyr_.same_s < kStuck_s) return faulty(Fault::kStuck, acc_.same_s / kStuck_s);
+  if (bus_hangs()) return faulty(Fault::kStuck, acc_.same_s / kStuck_s);
+  if (const double s = acc_.stuck_axis_s(kAccMoved_mps2); s > kStuckAxis_s)
+    return faulty(Fault::kStuck, s / kStuckAxis_s);
+  if (acc_.norm_now.over_s >= kNow_s && acc_.norm_now.value < kNoForce_mps2)
+    return faulty(Fault::kUnits, kNoForce_mps2 / std::max(acc_.norm_now.value, 1e-9));
+  if (acc_.norm.over_s >= kMean_s && (acc_.norm.value < kSmallestForce_mps2 || acc_.norm.value > kLargestForce_mps2))
+    return faulty(Fault::kUnits, std::max(kSmallestForce_mps2 / std::max(acc_.norm.value, 1e-9),
+                                          acc_.norm.value / kLargestForce_mps2));
+  const double odd = std::abs(rest_norm_ / kStandardGravity_mps2 - 1.0);
+  if (rest_s_ >= kRest_s && odd > kWrongForce) return faulty(Fault::kScale, odd / kWrongForce);
+  if (pull_.strong_s > kStrong_s) return faulty(Fault::kScale, pull_.strong_s / kStrong_s);
+  if (acc_.spikes > kSpikes) return suspect(Fault::kSpikes, acc_.spikes / kSpikes);
+  if (acc_.clipped > kClippedShare) return suspect(Fault::kClipped, acc_.clipped / kClippedShare);
+  return healthy();
+}
+
+SensorHealth HealthMonitor::judge_gyr(const GuardedSample& g) const noexcept {
+  if ((g.absent & kGyr) != 0 || !gyr_.heard) return {Health::kAbsent, Fault::kAbsent};
+  const bool acc_lives = acc_.heard && acc_.same_s < kStuck_s;
+  if (acc_lives && gyr_.zero_s > kStuck_s) return faulty(Fault::kZero, gyr_.zero_s / kStuck_s);
+  if (acc_lives && gyr_.same_s > kStuck_s) return faulty(Fault::kStuck, gyr_.same_s / kStuck_s);
+  if (bus_hangs()) return faulty(Fault::kStuck, gyr_.same_s / kStuck_s);
+  if (const double s = gyr_.stuck_axis_s(kGyrMoved_radps); s > kStuckAxis_s)
+    return faulty(Fault::kStuck, s / kStuckAxis_s);
+  if ((gyr_.norm.over_s >= kMean_s && gyr_.norm.value > kLargestRate_radps) ||
+      (gyr_.norm_now.over_s >= kNow_s && gyr_.norm_now.value > kAbsurdRate_radps))
+    return faulty(Fault::kUnits, std::max(gyr_.norm.value, gyr_.norm_now.value) / kLargestRate_radps);
+  if (turns_.windows >= kWindows) {
+    // Gravity in the body changes by the turn alone. What the gyroscope leaves of that change is its contradiction.
+    const double left = turns_.with / std::max(turns_.with, turns_.without);
+    if (left > kFaultyShare) return faulty(Fault::kAxes, left / kFaultyShare);
+  }
+  if (pull_.contradicted_s > 0.0) return faulty(Fault::kInconsistent, 1.0 + pull_.contradicted_s / kContradiction_s);
+  if (gyr_.spikes > kSpikes) return suspect(Fault::kSpikes, gyr_.spikes / kSpikes);
+  if (gyr_.clipped > kClippedShare) return suspect(Fault::kClipped, gyr_.clipped / kClippedShare);
+  return healthy();
+}
+
+SensorHealth HealthMonitor::judge_mag(const GuardedSample& g, HeadingReference heading) const noexcept {
+  if ((g.absent & kMag) != 0 || !mag_.heard) return {Health::kAbsent, Fault::kAbsent};
+  if (mag_.zero_s > kStuck_s) return faulty(Fault::kZero, mag_.zero_s / kStuck_s);
+  if (mag_.same_s > kStuck_s && mag_same_turn_rad_ > kStuckTurn_rad)
+    return faulty(Fault::kStuck, mag_same_turn_rad_ / kStuckTurn_rad);
+  if (mag_.spikes > kSpikes) return suspect(Fault::kSpikes, mag_.spikes / kSpikes);
+  if (heading == HeadingReference::kDisturbed) return suspect(Fault::kDisturbed, 1.0);
+  return healthy();
+}
+
+SensorsHealth HealthMonitor::observe(const GuardedSample& guarded, const CalibratedSample& corrected,
+                                     const fusion::AttitudeEstimate& estimate) noexcept {
+  const RawSample& s = guarded.sample;
+  const double dt_s = started_ ? kSecondsPerNs * static_cast<double>(s.t_ns - last_ns_) : 0.0;
+  last_ns_ = s.t_ns;
+  started_ = true;
+  if (s.holds(kAcc)) acc_.note(s.acc_mps2, (guarded.clipped & kAcc) != 0, dt_s);
+  if (s.holds(kGyr)) gyr_.note(s.gyr_radps, (guarded.clipped & kGyr) != 0, dt_s);
+  if (s.holds(kMag)) mag_.note(s.mag_uT, (guarded.clipped & kMag) != 0, dt_s);
+  for (const auto& [part, readings] : {std::pair{kAcc, &acc_}, std::pair{kGyr, &gyr_}, std::pair{kMag, &mag_}})
+    readings->spikes += ((guarded.spikes & part) != 0 ? 1.0 : 0.0) - std::min(1.0, dt_s / kMean_s) * readings->spikes;
+  rest_s_ = estimate.at_rest ? std::min(rest_s_ + dt_s, kRest_s) : 0.0;
+  if (rest_s_ > 0.0 && corrected.holds(kAcc))
+    rest_norm_ += dt_s / rest_s_ * (vec(corrected.acc_mps2).norm() - rest_norm_);
+  mag_same_turn_rad_ = mag_.same_s > 0.0 ? mag_same_turn_rad_ + dt_s * vec(estimate.rate_body_radps).norm() : 0.0;
+  temp_heard_ |= s.holds(kTemp);
+  follow_gravity(corrected, dt_s);
+  follow_pull(corrected, estimate.rate_body_radps, dt_s);
+  follow(health_.acc, judge_acc(guarded), s.t_ns);
+  follow(health_.gyr, judge_gyr(guarded), s.t_ns);
+  follow(health_.mag, judge_mag(guarded, estimate.heading), s.t_ns);
+  follow(health_.temp, temp_heard_ ? healthy() : SensorHealth{Health::kAbsent, Fault::kAbsent}, s.t_ns);
+  return health_;
+}
+
+bool HealthMonitor::unfounded(const SensorsHealth& health) noexcept {
+  const auto wrong = [](const SensorHealth& h) {
+    return h.state == Health::kFaulty && (h.fault == Fault::kAxes || h.fault == Fault::kUnits ||
+                                          h.fault == Fault::kScale || h.fault == Fault::kInconsistent);
+  };
+  const auto stuck = [](const SensorHealth& h) { return h.state == Health::kFaulty && h.fault == Fault::kStuck; };
+  return wrong(health.acc) || wrong(health.gyr) || (stuck(health.acc) && stuck(health.gyr));
+}
+
+}  // namespace stillpoint::pipeline

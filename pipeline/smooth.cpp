@@ -1,0 +1,92 @@
+#include "pipeline/smooth.h"
+
+#include <cmath>
+
+#include "core/so3.h"
+
+namespace stillpoint::pipeline {
+namespace {
+
+constexpr double kNoHeading_rad2 = 1e6;
+
+Quat quat_of(const fusion::AttitudeEstimate& e) {
+  return {e.q_world_body[0], e.q_world_body[1], e.q_world_body[2], e.q_world_body[3]};
+}
+
+/// As a clock that runs backward from `last_ns` would see it: forces and fields stay, turns are the other way round.
+/// A rate holds from the sample before to its own; so the one that led to the row seen `before`, which is the later.
+CalibratedSample reversed(const CalibratedSample& sample, const CalibratedSample& before, std::int64_t last_ns) {
+  CalibratedSample r = sample;
+  r.t_ns = last_ns - sample.t_ns;
+  r.gyr_radps = before.gyr_radps;
+  vec(r.gyr_radps) *= -1.0;
+  const auto of_before = [](std::uint8_t own, std::uint8_t later) {
+    return static_cast<std::uint8_t>((own & ~kGyr) | (later & kGyr));
+  };
+  r.has = of_before(r.has, before.has);
+  r.absent = of_before(r.absent, before.absent);
+  r.clipped = of_before(r.clipped, before.clipped);
+  return r;
+}
+
+}  // namespace
+
+fusion::AttitudeEstimate fused(const fusion::AttitudeEstimate& forward,
+                               const fusion::AttitudeEstimate& backward) noexcept {
+  fusion::AttitudeEstimate out = forward;
+  const Mat3 P = mat(forward.covariance_world_rad2);
+  Mat3 Q = mat(backward.covariance_world_rad2);
+  Quat turn = quat_of(backward) * quat_of(forward).conjugate();
+  if (backward.heading == HeadingReference::kRelative) {
+    turn = Quat(Eigen::AngleAxisd(-2.0 * std::atan2(turn.z(), turn.w()), Vec3::UnitZ())) * turn;
+    Q(2, 2) += kNoHeading_rad2;
+  }
+  if (Q(2, 2) < P(2, 2)) out.heading = backward.heading;
+  const Vec3 apart = log_quat(turn);
+  const Mat3 gain = P * (P + Q).inverse();
+  const Quat q = (exp_quat(gain * apart) * quat_of(forward)).normalized();
+  out.q_world_body = {q.w(), q.x(), q.y(), q.z()};
+  // Both stand on one calibration, one field and one end of the recording, so they are no two witnesses: covariance
+  // intersection with equal weights, and neither alone where that is less.
+  Mat3 told = 2.0 * (P - gain * P);
+  for (const Mat3& alone : {P, Q})
+    if (alone.trace() < told.trace()) told = alone;
+  out.covariance_world_rad2 = array(told);
+  set_sigmas(out);
+  return out;
+}
+
+Smoothed smooth(std::size_t rows, const SampleAt& sample, const StagesParams& params,
+                calib::OnlineCalibrator& calibrator) {
+  StagesParams offline = params;
+  offline.attitude.prediction_s = 0.0;
+  DirectLink link(calibrator);
+  Processed processed;
+  if (params.learn) {
+    Stages learning(offline, calibrator.snapshot());
+    for (std::size_t row = 0; row < rows; ++row) learning.process(sample(row), processed, link);
+  }
+  offline.learn = false;
+  Smoothed out{{}, Stages(offline, calibrator.snapshot())};
+  for (std::size_t row = 0; row < rows; ++row)
+    if (out.stages.process(sample(row), processed, link) != StageStatus::kDrop) out.rows.push_back(processed);
+  if (out.rows.empty()) return out;
+  fusion::AttitudeFilter filter = out.stages.filter();
+  filter.turn_back();
+  const std::int64_t last_ns = out.rows.back().sample.t_ns;
+  CalibratedSample before = out.rows.back().sample;
+  for (auto p = out.rows.rbegin(); p != out.rows.rend(); ++p) {
+    const CalibratedSample here = believed(p->sample, p->health);
+    const auto backward = filter.step(reversed(here, before, last_ns), p->attitude.at_rest);
+    const fusion::AttitudeEstimate forward = p->attitude;
+    p->attitude = fused(forward, in_frame(backward, params.frame));
+    if (HealthMonitor::unfounded(p->health)) {  // it stands on the same sensors
+      p->attitude.covariance_world_rad2 = forward.covariance_world_rad2;
+      set_sigmas(p->attitude);
+    }
+    before = here;
+  }
+  return out;
+}
+
+}  // namespace stillpoint::pipeline

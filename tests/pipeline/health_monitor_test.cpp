@@ -1,0 +1,124 @@
+/// Faults that a user makes or a sensor gets, through all stages over simulated hand motion: named, and never `ok`.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <functional>
+
+#include "tests/pipeline/simulated_run.h"
+
+namespace stillpoint::pipeline {
+namespace {
+
+constexpr char kHand[] =
+    "rate_hz: 100\n"
+    "accelerometer: {noise_mps2: 0.03, bias: [0, 0, 0], matrix: [[1, 0, 0], [0, 1, 0], [0, 0, 1]]}\n"
+    "gyroscope: {noise_radps: 0.002, bias: [0.01, -0.02, 0.01], matrix: [[1, 0, 0], [0, 1, 0], [0, 0, 1]]}\n"
+    "magnetometer: {noise_uT: 0.4, bias: [5, 3, -4], matrix: [[1, 0, 0], [0, 1, 0], [0, 0, 1]]}\n"
+    "motion: {kind: hand, duration_s: 120}\n";
+constexpr double kFrom_s = 20.0;
+
+struct Outcome {
+  Fault acc = Fault::kNone, gyr = Fault::kNone, mag = Fault::kNone;  ///< at the end
+  bool ever_faulty = false;
+  double named_s = INFINITY;  ///< from the start of the fault
+  int ok_outside = 0;         ///< samples in the last 40 s
+};
+
+Outcome run(const std::function<void(RawSample&)>& spoil, std::uint64_t seed) {
+  const auto simulation = io::parse_simulation(kHand, "test");
+  SP_EXPECTS(simulation.has_value());
+  sim::Simulator simulator(*simulation, sim::make_motion(*simulation->motion, seed), seed);
+  calib::OnlineCalibrator calibrator({}, {});
+  DirectLink link(calibrator);
+  Stages stages({}, calibrator.snapshot());
+  Processed out;
+  Outcome outcome;
+  for (sim::SimulatedSample s; simulator.next(s);) {
+    const double t_s = kSecondsPerNs * static_cast<double>(s.sample.t_ns);
+    if (t_s > kFrom_s) spoil(s.sample);
+    if (stages.process(s.sample, out, link) == StageStatus::kDrop) continue;
+    outcome.ever_faulty |= out.health.acc.state == Health::kFaulty || out.health.gyr.state == Health::kFaulty;
+    if (outcome.ever_faulty) outcome.named_s = std::min(outcome.named_s, t_s - kFrom_s);
+    const Vec3 error = test::world_error(s, out);
+    const bool outside = error.head<2>().norm() > 3.0 * (out.attitude.sigma_roll_rad + out.attitude.sigma_pitch_rad);
+    outcome.ok_outside += t_s > 80.0 && outside && to_message(out).status == AttitudeStatus::kOk;
+  }
+  outcome.acc = out.health.acc.fault;
+  outcome.gyr = out.health.gyr.fault;
+  outcome.mag = out.health.mag.fault;
+  return outcome;
+}
+
+TEST(HealthMonitor, NamesNothingInSoundStreams) {
+  for (std::uint64_t seed = 1; seed <= 5; ++seed) EXPECT_FALSE(run([](RawSample&) {}, seed).ever_faulty) << seed;
+}
+
+TEST(HealthMonitor, NamesAGyroscopeWithMirroredOrSwappedAxes) {
+  for (std::uint64_t seed = 1; seed <= 3; ++seed) {
+    const Outcome mirrored = run([](RawSample& s) { s.gyr_radps[0] *= -1.0; }, seed);
+    EXPECT_EQ(mirrored.gyr, Fault::kAxes) << seed;
+    EXPECT_EQ(mirrored.ok_outside, 0) << seed;
+    const Outcome swapped = run([](RawSample& s) { std::swap(s.gyr_radps[0], s.gyr_radps[1]); }, seed);
+    EXPECT_EQ(swapped.gyr, Fault::kAxes) << seed;
+    EXPECT_EQ(swapped.ok_outside, 0) << seed;
+  }
+}
+
+TEST(HealthMonitor, NamesReadingsThatRepeatOrComeInAnotherUnit) {
+  EXPECT_EQ(run([](RawSample& s) { s.gyr_radps = {0.1, 0.2, 0.3}; }, 1).gyr, Fault::kStuck);
+  EXPECT_EQ(run([](RawSample& s) { s.acc_mps2 = {0.0, 0.0, 0.0}; }, 1).acc, Fault::kZero);
+  EXPECT_EQ(run([](RawSample& s) { s.mag_uT = {20.0, 5.0, -40.0}; }, 1).mag, Fault::kStuck);
+  const Outcome in_g = run([](RawSample& s) { vec(s.acc_mps2) /= kStandardGravity_mps2; }, 1);
+  EXPECT_EQ(in_g.acc, Fault::kUnits);
+  EXPECT_EQ(in_g.ok_outside, 0);
+}
+
+TEST(HealthMonitor, NamesOneAxisThatSticksAndTheFilterLivesWithoutThatSensor) {
+  for (std::uint64_t seed = 1; seed <= 3; ++seed) {
+    const Outcome acc = run([](RawSample& s) { s.acc_mps2[1] = 0.4; }, seed);
+    EXPECT_EQ(acc.acc, Fault::kStuck) << seed;
+    EXPECT_EQ(acc.ok_outside, 0) << seed;
+  }
+}
+
+TEST(HealthMonitor, NamesAnAccelerometerThatReadsTwiceTheForceAndTheFilterLivesWithoutIt) {
+  for (std::uint64_t seed = 1; seed <= 5; ++seed) {
+    const Outcome twice = run([](RawSample& s) { vec(s.acc_mps2) *= 2.0; }, seed);
+    EXPECT_EQ(twice.acc, Fault::kScale) << seed;
+    EXPECT_LT(twice.named_s, 3.0) << seed;
+    EXPECT_EQ(twice.ok_outside, 0) << seed;
+  }
+}
+
+TEST(HealthMonitor, AForceThatJumpsElsewhereWithoutATurnIsSeenAtOnce) {
+  for (std::uint64_t seed = 1; seed <= 5; ++seed)
+    EXPECT_LT(run([](RawSample& s) { vec(s.acc_mps2) *= -1.0; }, seed).named_s, 3.0) << seed;
+}
+
+TEST(HealthMonitor, NamesABusThatHangs) {
+  const RawSample* hung = nullptr;
+  RawSample last;
+  const Outcome o = run(
+      [&](RawSample& s) {
+        if (hung == nullptr) last = s;
+        hung = &last;
+        s.acc_mps2 = last.acc_mps2;
+        s.gyr_radps = last.gyr_radps;
+        s.mag_uT = last.mag_uT;
+      },
+      1);
+  EXPECT_EQ(o.acc, Fault::kStuck);
+  EXPECT_EQ(o.gyr, Fault::kStuck);
+  EXPECT_EQ(o.ok_outside, 0);
+}
+
+TEST(HealthMonitor, NamesSpikesAndNothingIsLostByThem) {
+  int row = 0;
+  const Outcome o = run([&](RawSample& s) { s.gyr_radps[2] = ++row % 100 == 0 ? 300.0 : s.gyr_radps[2]; }, 1);
+  EXPECT_EQ(o.gyr, Fault::kSpikes);
+  EXPECT_FALSE(o.ever_faulty);
+  EXPECT_EQ(o.ok_outside, 0);
+}
+
+}  // namespace
+}  // namespace stillpoint::pipeline
