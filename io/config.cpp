@@ -2,9 +2,7 @@
 
 #include <Eigen/SVD>
 #include <filesystem>
-#include <sstream>
 
-#include "io/quote.h"
 #include "io/simulation_yaml.h"
 
 namespace stillpoint::io {
@@ -13,50 +11,8 @@ namespace {
 constexpr std::size_t kLongestId = 100;   // a file's name ends at 255 bytes, and suffixes come on
 constexpr double kLeastGainRatio = 1e-6;  // of a matrix's smallest to its largest gain
 
-/// One of a few words.
-template <class E>
-void read_word(const YAML::Node& node, E& out, const std::vector<std::pair<std::string, E>>& words,
-               const std::string& key, YamlFaults& faults) {
-  std::vector<std::string> known;
-  for (const auto& [word, value] : words) {
-    if (node.IsScalar() && node.Scalar() == word) {
-      out = value;
-      return;
-    }
-    known.push_back(word);
-  }
-  const std::string given = node.IsScalar() ? node.Scalar() : "";
-  faults.add(node, fmt::format("'{}' cannot be {}{}", key, node.IsScalar() ? quote(given) : "a list or a map",
-                               suggestion(given, known)));
-}
-
-const std::vector<std::pair<std::string, SourceKind>> kSourceKinds{{"recording", SourceKind::kRecording},
-                                                                   {"simulation", SourceKind::kSimulation}};
-const std::vector<std::pair<std::string, SourceEnd>> kSourceEnds{{"stop", SourceEnd::kStop},
-                                                                 {"wait", SourceEnd::kWait}};
-const std::vector<std::pair<std::string, pipeline::WorldFrame>> kWorldFrames{{"enu", pipeline::WorldFrame::kEnu},
-                                                                             {"ned", pipeline::WorldFrame::kNed}};
-
-/// "+x -z +y": body x is the sensor's +x, body y its -z, body z its +y. None: not three signed axes.
-std::optional<Mat3> mount_of_names(const std::string& text) {
-  std::istringstream words(text);
-  Mat3 R = Mat3::Zero();
-  std::string word;
-  for (Eigen::Index row = 0; row < 3; ++row) {
-    if (!(words >> word)) return std::nullopt;
-    if (word.size() == 1) word.insert(word.begin(), '+');
-    if (word.size() != 2 || (word[0] != '+' && word[0] != '-') || word[1] < 'x' || word[1] > 'z') return std::nullopt;
-    R(row, word[1] - 'x') = word[0] == '+' ? 1.0 : -1.0;
-  }
-  return words >> word ? std::nullopt : std::optional(R);
-}
-
-Mat3 nearest_rotation(const Mat3& M) {
-  const Eigen::JacobiSVD<Mat3> svd(M, Eigen::ComputeFullU | Eigen::ComputeFullV);
-  Mat3 signs = Mat3::Identity();
-  if ((svd.matrixU() * svd.matrixV().transpose()).determinant() < 0.0) signs(2, 2) = -1.0;
-  return svd.matrixU() * signs * svd.matrixV().transpose();
-}
+const Words<pipeline::WorldFrame> kWorldFrames{{"enu", pipeline::WorldFrame::kEnu},
+                                               {"ned", pipeline::WorldFrame::kNed}};
 
 /// An effect of the compensate list, and where its numbers go.
 struct Compensated {
@@ -114,26 +70,6 @@ void add_effect(const sim::EffectConfig& effect, pipeline::Compensation& out) {
   out.any = true;
 }
 
-/// Rules between fields.
-void check_source(const SourceConfig& source, const YAML::Node& root, YamlFaults& faults) {
-  const YAML::Node node = root["source"];
-  if (!node || !node.IsMap()) return;
-  if (!node["kind"]) faults.add(node, "'kind' is missing here: recording or simulation");
-  if (!node["file"])
-    faults.add(node, "'file' is missing here: the recording (.csv) or the simulation (.yaml) to take samples from");
-  else if (source.file.empty())
-    faults.add(node["file"], "'file' is empty");
-}
-
-void check_rest(const DaemonConfig& config, const YAML::Node& root, YamlFaults& faults) {
-  if (config.calibration.answer_delay_s >= config.rest.window_s)
-    faults.add(
-        root["calibration"] ? root["calibration"] : root,
-        fmt::format(
-            "'answer_delay_s' ({}) must be shorter than a rest window, 'rest: window_s' ({}): one answer at a time",
-            config.calibration.answer_delay_s, config.rest.window_s));
-}
-
 /// Pre: read_fields found no fault, so what these values are read from are maps.
 void check_sensor(const SensorConfig& sensor, const YAML::Node& root, YamlFaults& faults) {
   const YAML::Node node = root["sensor"];
@@ -155,32 +91,35 @@ void check_sensor(const SensorConfig& sensor, const YAML::Node& root, YamlFaults
   invertible("magnetometer", sensor.magnetometer);
 }
 
+/// Paths are relative to the folder of the configuration. Pre: read_fields found no fault in the block.
+void finish_security(SecurityParams& security, const YAML::Node& root, const std::string& name, YamlFaults& faults) {
+  if (!is_secured(security)) return;
+  const auto from_here = [&name](std::string& path) {
+    if (!path.empty() && std::filesystem::path(path).is_relative())
+      path = (std::filesystem::path(name).parent_path() / path).lexically_normal().string();
+  };
+  from_here(security.folder);
+  for (const auto& file : kSecurityFiles) from_here(security.*file.path);
+  for (const auto& what : check(security)) faults.add(root["dds"]["security"], what);
+}
+
 Result<DaemonConfig> interpret(const YAML::Node& root, const std::string& name) {
   DaemonConfig config;
   YamlFaults faults(name);
   read_fields(root, config, faults);
-  check_source(config.source, root, faults);
-  check_rest(config, root, faults);
+  finish_source(config.source, root, name, faults);
   for (const auto& what : check(config.dds)) faults.add(root["dds"], what);
+  finish_security(config.dds.security, root, name, faults);
   if (const std::string what = calib::check(config.calibration.online); !what.empty())
     faults.add(root["calibration"]["online"]["temperature_model"], what);
   if (!faults.empty()) return faults.error();
   check_sensor(config.sensor, root, faults);
   if (!faults.empty()) return faults.error();
-  const std::filesystem::path file(config.source.file);
-  if (!file.empty() && file.is_relative())
-    config.source.file = (std::filesystem::path(name).parent_path() / file).lexically_normal().string();
   return config;
 }
 
 }  // namespace
 
-void read_value(const YAML::Node& node, SourceKind& out, const Range&, const std::string& key, YamlFaults& faults) {
-  read_word(node, out, kSourceKinds, key, faults);
-}
-void read_value(const YAML::Node& node, SourceEnd& out, const Range&, const std::string& key, YamlFaults& faults) {
-  read_word(node, out, kSourceEnds, key, faults);
-}
 void read_value(const YAML::Node& node, pipeline::WorldFrame& out, const Range&, const std::string& key,
                 YamlFaults& faults) {
   read_word(node, out, kWorldFrames, key, faults);
@@ -192,30 +131,6 @@ void read_value(const YAML::Node& node, std::optional<double>& out, const Range&
   const std::size_t before = faults.messages().size();
   read_value(node, value, range, key, faults);
   if (faults.messages().size() == before) out = value;
-}
-
-void read_value(const YAML::Node& node, Mount& out, const Range&, const std::string& key, YamlFaults& faults) {
-  Mat3 R = Mat3::Identity();
-  if (node.IsScalar()) {
-    const auto named = mount_of_names(node.Scalar());
-    if (!named)
-      return faults.add(node, fmt::format("'{}' must be three signed axes such as \"+x -z +y\", or three rows", key));
-    R = *named;
-  } else {
-    const std::size_t before = faults.messages().size();
-    read_value(node, R, finite(), key, faults);
-    if (faults.messages().size() != before) return;
-  }
-  const Mat3 nearest = nearest_rotation(R);
-  if ((R - nearest).norm() > 1e-3) {
-    const char* why = R.determinant() < 0.0 ? "mirrors (left-handed)" : "is not a rotation";
-    return faults.add(
-        node, fmt::format("'{}' {}; the nearest rotation is [[{:.4g}, {:.4g}, {:.4g}], [{:.4g}, {:.4g}, {:.4g}], "
-                          "[{:.4g}, {:.4g}, {:.4g}]]",
-                          key, why, nearest(0, 0), nearest(0, 1), nearest(0, 2), nearest(1, 0), nearest(1, 1),
-                          nearest(1, 2), nearest(2, 0), nearest(2, 1), nearest(2, 2)));
-  }
-  out.R_body_sensor = nearest;
 }
 
 void read_value(const YAML::Node& node, std::vector<sim::EffectConfig>& out, const Range&, const std::string& key,
@@ -254,6 +169,11 @@ CalibrationSnapshot factory_calibration(const SensorConfig& sensor) {
   CalibrationSnapshot factory;
   const auto set = [](TriadCalibration& out, const TriadFactory& in) {
     out.bias = array(in.bias);
+    out.bias_per_K = array(in.bias_per_K);
+    out.bias_per_K2 = array(in.bias_per_K2);
+    out.temp_ref_degC = in.temp_ref_degC;
+    out.temp_min_degC = in.temp_min_degC;
+    out.temp_max_degC = std::max(in.temp_min_degC, in.temp_max_degC);
     out.matrix = array(in.matrix);
   };
   set(factory.acc, sensor.accelerometer);

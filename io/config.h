@@ -12,48 +12,30 @@
 #include "core/result.h"
 #include "fusion/attitude_filter.h"
 #include "io/dds_params.h"
+#include "io/source_config.h"
 #include "io/yaml.h"
-#include "pipeline/fault_injector.h"
 #include "pipeline/realtime.h"
 #include "pipeline/stages.h"
 #include "simulation/config.h"
 
 namespace stillpoint::io {
 
-enum class SourceKind { kNone, kRecording, kSimulation };
-enum class SourceEnd { kStop, kWait };
-
-struct SourceConfig {
-  SourceKind kind = SourceKind::kNone;
-  std::string file;  ///< relative to the configuration's folder
-  double speed = 1.0;
-  int seed = 1;
-  SourceEnd at_end = SourceEnd::kStop;
-  bool wait_for_file = false;
-  std::optional<pipeline::FaultParams> faults;
-
-  static constexpr auto fields() {
-    using P = SourceConfig;
-    return std::tuple{
-        field("kind", &P::kind, "recording or simulation"),
-        field("file", &P::file, "the recording (.csv) or the simulation (.yaml), relative to this file"),
-        field("speed", &P::speed, in_range(0.0, 1e6), "times real time; 0: as fast as possible"),
-        field("seed", &P::seed, in_range(0, 2e9), "of the simulation's noise"),
-        field("at_end", &P::at_end, "stop: the daemon ends with the source; wait: it stays and reports STALE"),
-        field("wait_for_file", &P::wait_for_file,
-              "true: a missing file is waited for; false: the daemon stops with 66"),
-        field("faults", &P::faults, "faults put in on purpose, to try out what a subscriber sees")};
-  }
-};
-
 /// What the maker or an earlier calibration says of one triad: u = matrix * (reading - bias).
 struct TriadFactory {
-  Vec3 bias = Vec3::Zero();
+  Vec3 bias = Vec3::Zero(), bias_per_K = Vec3::Zero(), bias_per_K2 = Vec3::Zero();
   Mat3 matrix = Mat3::Identity();
+  double temp_ref_degC = 25.0, temp_min_degC = 25.0, temp_max_degC = 25.0;
   static constexpr auto fields() {
     using P = TriadFactory;
-    return std::tuple{field("bias", &P::bias, "in the unit of the reading"),
-                      field("matrix", &P::matrix, "three rows; u = matrix * (reading - bias)")};
+    constexpr Range kTemperature = in_range(-200.0, 500.0);
+    return std::tuple{
+        field("bias", &P::bias, "in the unit of the reading, at temp_ref_degC"),
+        field("bias_per_K", &P::bias_per_K, "what a kelvin adds to it"),
+        field("bias_per_K2", &P::bias_per_K2, "and its square"),
+        field("temp_ref_degC", &P::temp_ref_degC, kTemperature, "from where the kelvins are counted"),
+        field("temp_min_degC", &P::temp_min_degC, kTemperature, "coldest temperature that this was seen at"),
+        field("temp_max_degC", &P::temp_max_degC, kTemperature, "warmest; nothing is extrapolated beyond the two"),
+        field("matrix", &P::matrix, "three rows; u = matrix * (reading - bias)")};
   }
 };
 
@@ -86,11 +68,6 @@ struct CalibrationConfig {
   }
 };
 
-/// Rotation from the sensor's axes to the body's: v_body = R v_sensor.
-struct Mount {
-  Mat3 R_body_sensor = Mat3::Identity();
-};
-
 struct OutputConfig {
   pipeline::WorldFrame world_frame = pipeline::WorldFrame::kEnu;
   Mount mount;
@@ -100,7 +77,8 @@ struct OutputConfig {
     return std::tuple{
         field("world_frame", &P::world_frame,
               "enu (body x forward, y left, z up) or ned (body x forward, y right, z down)"),
-        field("mount", &P::mount, "body from sensor: \"+x +y +z\" (which sensor axis is body x, y, z) or three rows"),
+        field("mount", &P::mount,
+              "body from sensor: \"+x +y +z\" (which sensor axis is body x, y, z), three rows, or [w, x, y, z]"),
         field("initial_heading_rad", &P::initial_heading_rad, in_range(-3.15, 3.15),
               "heading at the start, counter-clockwise from east, until a magnetometer says otherwise")};
   }
@@ -166,11 +144,8 @@ struct DaemonConfig {
 [[nodiscard]] CalibrationSnapshot factory_calibration(const SensorConfig& sensor);
 
 // Types that only this file's structs use.
-void read_value(const YAML::Node& node, SourceKind& out, const Range&, const std::string& key, YamlFaults& faults);
-void read_value(const YAML::Node& node, SourceEnd& out, const Range&, const std::string& key, YamlFaults& faults);
 void read_value(const YAML::Node& node, pipeline::WorldFrame& out, const Range&, const std::string& key,
                 YamlFaults& faults);
-void read_value(const YAML::Node& node, Mount& out, const Range&, const std::string& key, YamlFaults& faults);
 void read_value(const YAML::Node& node, std::optional<double>& out, const Range& range, const std::string& key,
                 YamlFaults& faults);
 void read_value(const YAML::Node& node, std::vector<sim::EffectConfig>& out, const Range&, const std::string& key,

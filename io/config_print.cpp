@@ -24,10 +24,19 @@ std::string value_text(const Mat3& m) {
 }
 std::string value_text(const Mount& m) { return value_text(m.R_body_sensor); }
 std::string value_text(const std::optional<double>& x) { return x ? value_text(*x) : "not set"; }
-std::string value_text(SourceKind x) {
-  return x == SourceKind::kRecording ? "recording" : x == SourceKind::kSimulation ? "simulation" : "not set";
+std::string value_text(SourceKind x) { return word_of(x, kSourceKinds); }
+std::string value_text(SourceEnd x) { return word_of(x, kSourceEnds); }
+std::string value_text(StreamFormat x) { return word_of(x, kStreamFormats); }
+std::string value_text(const ColumnMap& columns) {
+  std::vector<std::string> texts;
+  for (const auto& [ours, theirs] : columns) texts.push_back(fmt::format("{}: {}", ours, value_text(theirs)));
+  return fmt::format("{{{}}}", fmt::join(texts, ", "));
 }
-std::string value_text(SourceEnd x) { return x == SourceEnd::kStop ? "stop" : "wait"; }
+std::string value_text(const std::vector<std::string>& names) {
+  std::vector<std::string> texts;
+  for (const auto& name : names) texts.push_back(value_text(name));
+  return fmt::format("[{}]", fmt::join(texts, ", "));
+}
 std::string value_text(pipeline::WorldFrame x) { return x == pipeline::WorldFrame::kEnu ? "enu" : "ned"; }
 std::string value_text(const std::vector<sim::EffectConfig>& effects) {
   std::vector<std::string> texts;
@@ -64,17 +73,24 @@ void print_one(std::string& out, std::string_view name, std::string_view help, c
 void print_one(std::string& out, std::string_view name, std::string_view help, const SourceConfig& value,
                const SourceConfig& by_default, int depth);
 
-template <HasFields P>
-void print(std::string& out, const P& values, const P& defaults, int depth) {
+template <class P, class Fields>
+void print_fields(std::string& out, const P& values, const P& defaults, const Fields& fields, int depth) {
   std::apply(
       [&](const auto&... f) { (print_one(out, f.name, f.help, values.*(f.member), defaults.*(f.member), depth), ...); },
-      P::fields());
+      fields);
+}
+
+template <HasFields P>
+void print(std::string& out, const P& values, const P& defaults, int depth) {
+  print_fields(out, values, defaults, P::fields(), depth);
 }
 
 void print_one(std::string& out, std::string_view name, std::string_view help, const SourceConfig& value,
-               const SourceConfig& by_default, int depth) {
+               const SourceConfig&, int depth) {
   std::string block = fmt::format("{}:  # {}\n", name, help);
-  print(block, value, by_default, depth + 1);
+  for_each_block(value, [&](const auto& values, const auto& fields) {
+    print_fields(block, values, std::decay_t<decltype(values)>{}, fields, depth + 1);
+  });
   if (value.kind != SourceKind::kNone) {
     out += block;
     return;
@@ -88,7 +104,13 @@ void print_one(std::string& out, std::string_view name, std::string_view help, c
 std::string print_config(const DaemonConfig& config) {
   std::string out;
   DaemonConfig anywhere = config;  // read back, the text may lie in another folder
-  if (!config.source.file.empty()) anywhere.source.file = std::filesystem::absolute(config.source.file).string();
+  const auto from_anywhere = [](std::string& path) { path = std::filesystem::absolute(path).string(); };
+  for (std::string* path : {&anywhere.source.file, &anywhere.source.stream.from})
+    if (is_path(*path)) from_anywhere(*path);
+  SecurityParams& security = anywhere.dds.security;
+  if (!security.folder.empty()) from_anywhere(security.folder);
+  for (const auto& file : kSecurityFiles)
+    if (!(security.*file.path).empty()) from_anywhere(security.*file.path);
   print(out, anywhere, DaemonConfig{}, 0);
   return out;
 }

@@ -3,13 +3,17 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
+#include <cmath>
 #include <limits>
 
 namespace stillpoint::io {
 namespace {
 
-constexpr std::size_t kIdBound = 127, kTextBound = 255;
-constexpr double kTeslaPerMicrotesla = 1e-6;
+constexpr std::size_t kIdBound = 127, kTextBound = 255, kMissingBound = 1023;  // of idl/stillpoint.idl
+constexpr std::int64_t kFurthest_ns = 4'600'000'000'000'000'000;  // the difference of any two times still fits
+bool is_time(std::int64_t t_ns) { return t_ns > -kFurthest_ns && t_ns < kFurthest_ns; }
+static_assert(std::tuple_size_v<LatencyCounts> == 640, "the length in idl/stillpoint.idl");
 
 void to_wire(std::uint8_t sensor, const TriadCalibration& in, const std::string& reason, msg::SensorCalibration& out) {
   out.sensor(sensor);
@@ -27,7 +31,7 @@ void to_wire(std::uint8_t sensor, const TriadCalibration& in, const std::string&
   out.reason(reason.substr(0, kTextBound));
 }
 
-void from_wire(const msg::SensorCalibration& in, TriadCalibration& out, std::string& reason) {
+bool from_wire(const msg::SensorCalibration& in, TriadCalibration& out, std::string& reason) {
   out.status = static_cast<CalibrationStatus>(in.status());
   out.windows = in.windows();
   out.bias = in.bias();
@@ -40,23 +44,32 @@ void from_wire(const msg::SensorCalibration& in, TriadCalibration& out, std::str
   out.temp_min_degC = in.temp_min_degC();
   out.temp_max_degC = in.temp_max_degC();
   reason = in.reason();
+  return in.status() <= static_cast<std::uint8_t>(CalibrationStatus::kReplaced);
+}
+
+template <class Health>
+auto in_wire_order(Health& h) {
+  return std::array{&h.acc, &h.gyr, &h.mag, &h.temp};
+}
+
+void to_wire(const SensorsHealth& in, std::array<msg::SensorHealth, 4>& out) {
+  const auto sensors = in_wire_order(in);
+  for (std::size_t i = 0; i < out.size(); ++i) {
+    out[i].state(static_cast<std::uint8_t>(sensors[i]->state));
+    out[i].fault(static_cast<std::uint8_t>(sensors[i]->fault));
+    out[i].since_ns(sensors[i]->since_ns);
+    out[i].evidence(sensors[i]->evidence);
+  }
+}
+
+void from_wire(const std::array<msg::SensorHealth, 4>& in, SensorsHealth& out) {
+  const auto sensors = in_wire_order(out);
+  for (std::size_t i = 0; i < in.size(); ++i)
+    *sensors[i] = {static_cast<Health>(in[i].state()), static_cast<Fault>(in[i].fault()), in[i].since_ns(),
+                   in[i].evidence()};
 }
 
 double us(std::int64_t ns) { return 1e-3 * static_cast<double>(ns); }
-
-void set_header(std_msgs::msg::Header& header, std::int64_t stamp_ns, const std::string& frame_id) {
-  header.stamp().sec(static_cast<std::int32_t>(stamp_ns / 1'000'000'000));
-  header.stamp().nanosec(static_cast<std::uint32_t>(stamp_ns % 1'000'000'000));
-  header.frame_id(frame_id);
-}
-
-geometry_msgs::msg::Vector3 vector3(const Array3& v, double scale = 1.0) {
-  geometry_msgs::msg::Vector3 out;
-  out.x(scale * v[0]);
-  out.y(scale * v[1]);
-  out.z(scale * v[2]);
-  return out;
-}
 
 }  // namespace
 
@@ -77,9 +90,11 @@ void to_wire(const AttitudeMessage& in, msg::Attitude& out) noexcept {
   out.at_rest(in.at_rest ? 1 : 0);
   out.status(static_cast<std::uint8_t>(in.status));
   out.heading_reference(static_cast<std::uint8_t>(in.heading_reference));
+  const auto sensors = in_wire_order(in.health);
+  for (std::size_t i = 0; i < sensors.size(); ++i) out.health()[i] = static_cast<std::uint8_t>(sensors[i]->state);
 }
 
-void from_wire(const msg::Attitude& in, AttitudeMessage& out) noexcept {
+bool from_wire(const msg::Attitude& in, AttitudeMessage& out) noexcept {
   out.t_ns = in.t_ns();
   out.t_arrival_ns = in.t_arrival_ns();
   out.t_publish_ns = in.t_publish_ns();
@@ -96,6 +111,9 @@ void from_wire(const msg::Attitude& in, AttitudeMessage& out) noexcept {
   out.at_rest = in.at_rest() != 0;
   out.status = static_cast<AttitudeStatus>(in.status());
   out.heading_reference = static_cast<HeadingReference>(in.heading_reference());
+  const auto sensors = in_wire_order(out.health);
+  for (std::size_t i = 0; i < sensors.size(); ++i) sensors[i]->state = static_cast<Health>(in.health()[i]);
+  return is_time(in.t_ns()) && is_time(in.t_arrival_ns()) && is_time(in.t_publish_ns());
 }
 
 void to_wire(const RawSample& in, std::int64_t t_arrival_ns, msg::RawImu& out) noexcept {
@@ -109,14 +127,15 @@ void to_wire(const RawSample& in, std::int64_t t_arrival_ns, msg::RawImu& out) n
   out.has(in.has);
 }
 
-void from_wire(const msg::RawImu& in, RawSample& out) noexcept {
+bool from_wire(const msg::RawImu& in, RawSample& out) noexcept {
   out.t_ns = in.t_ns();
   out.sequence = in.sample_number();
   out.acc_mps2 = in.acc_mps2();
   out.gyr_radps = in.gyr_radps();
   out.mag_uT = in.mag_uT();
   out.temp_degC = in.temperature_degC();
-  out.has = in.has();
+  out.has = static_cast<std::uint8_t>(in.has() & (kAcc | kGyr | kMag | kTemp));
+  return is_time(in.t_ns()) && is_time(in.t_arrival_ns());
 }
 
 void to_wire(const CalibrationMessage& in, msg::CalibrationState& out) {
@@ -128,13 +147,13 @@ void to_wire(const CalibrationMessage& in, msg::CalibrationState& out) {
   to_wire(msg::SENSOR_MAG, in.snapshot.mag, in.reasons[2], out.sensors()[2]);
 }
 
-void from_wire(const msg::CalibrationState& in, CalibrationMessage& out) {
+bool from_wire(const msg::CalibrationState& in, CalibrationMessage& out) {
   out.snapshot.t_ns = in.t_ns();
   out.snapshot.version = in.version();
   out.sensor_id = in.sensor_id();
-  from_wire(in.sensors()[0], out.snapshot.acc, out.reasons[0]);
-  from_wire(in.sensors()[1], out.snapshot.gyr, out.reasons[1]);
-  from_wire(in.sensors()[2], out.snapshot.mag, out.reasons[2]);
+  return from_wire(in.sensors()[0], out.snapshot.acc, out.reasons[0]) &&
+         from_wire(in.sensors()[1], out.snapshot.gyr, out.reasons[1]) &&
+         from_wire(in.sensors()[2], out.snapshot.mag, out.reasons[2]);
 }
 
 void to_wire(const DiagnosticsMessage& in, msg::Diagnostics& out) {
@@ -148,7 +167,11 @@ void to_wire(const DiagnosticsMessage& in, msg::Diagnostics& out) {
   out.dropped(in.dropped);
   out.clipped(in.clipped);
   out.refused(in.refused);
+  out.not_finite(in.not_finite);
   out.write_failures(in.write_failures);
+  out.datagrams_malformed(in.datagrams_malformed);
+  out.datagrams_off_host(in.datagrams_off_host);
+  out.datagrams_flooded(in.datagrams_flooded);
   out.latency_p50_us(us(latency_percentile_ns(in.latency_counts, 0.50)));
   out.latency_p90_us(us(latency_percentile_ns(in.latency_counts, 0.90)));
   out.latency_p99_us(us(latency_percentile_ns(in.latency_counts, 0.99)));
@@ -157,10 +180,13 @@ void to_wire(const DiagnosticsMessage& in, msg::Diagnostics& out) {
   out.temperature_degC(in.temp_degC);
   out.status(static_cast<std::uint8_t>(in.status));
   out.heading_reference(static_cast<std::uint8_t>(in.heading_reference));
+  to_wire(in.health, out.health());
   out.sensor_id(in.sensor_id.substr(0, kIdBound));
+  out.source(in.source.substr(0, kTextBound));
   out.message(in.message.substr(0, kTextBound));
+  out.missing(in.missing.substr(0, kMissingBound));
   out.last_refusal(in.last_refusal.substr(0, kTextBound));
-  out.latency_counts().assign(in.latency_counts.begin(), in.latency_counts.end());
+  out.latency_counts(in.latency_counts);
 }
 
 void from_wire(const msg::Diagnostics& in, DiagnosticsMessage& out) {
@@ -174,74 +200,23 @@ void from_wire(const msg::Diagnostics& in, DiagnosticsMessage& out) {
   out.dropped = in.dropped();
   out.clipped = in.clipped();
   out.refused = in.refused();
+  out.not_finite = in.not_finite();
   out.write_failures = in.write_failures();
+  out.datagrams_malformed = in.datagrams_malformed();
+  out.datagrams_off_host = in.datagrams_off_host();
+  out.datagrams_flooded = in.datagrams_flooded();
   out.temp_degC = in.temperature_degC();
   out.status = static_cast<AttitudeStatus>(in.status());
   out.heading_reference = static_cast<HeadingReference>(in.heading_reference());
+  from_wire(in.health(), out.health);
   out.sensor_id = in.sensor_id();
+  out.source = in.source();
   out.message = in.message();
+  out.missing = in.missing();
   out.last_refusal = in.last_refusal();
-  out.latency_counts.fill(0);
-  const auto& counts = in.latency_counts();
-  std::copy_n(counts.begin(), std::min(counts.size(), kLatencyBuckets), out.latency_counts.begin());
-  out.latency_max_ns = static_cast<std::int64_t>(1e3 * in.latency_max_us());
-}
-
-void to_ros2(const AttitudeMessage& attitude, const CalibratedSample& sample, std::int64_t stamp_ns,
-             const std::string& frame_id, sensor_msgs::msg::Imu& out) {
-  set_header(out.header(), stamp_ns, frame_id);
-  const auto& q = attitude.q_world_body_xyzw;
-  out.orientation().x(q[0]);
-  out.orientation().y(q[1]);
-  out.orientation().z(q[2]);
-  out.orientation().w(q[3]);
-  out.orientation_covariance(attitude.orientation_covariance_rad2);
-  if (attitude.status == AttitudeStatus::kInitializing) out.orientation_covariance()[0] = -1.0;
-  out.angular_velocity(vector3(attitude.rate_radps));
-  out.linear_acceleration(vector3(sample.acc_mps2));
-  out.angular_velocity_covariance().fill(0.0);
-  out.linear_acceleration_covariance().fill(0.0);
-  if (!sample.holds(kGyr)) out.angular_velocity_covariance()[0] = -1.0;
-  if (!sample.holds(kAcc)) out.linear_acceleration_covariance()[0] = -1.0;
-}
-
-void to_ros2(const CalibratedSample& sample, std::int64_t stamp_ns, const std::string& frame_id,
-             sensor_msgs::msg::MagneticField& out) {
-  set_header(out.header(), stamp_ns, frame_id);
-  out.magnetic_field(vector3(sample.mag_uT, kTeslaPerMicrotesla));
-  out.magnetic_field_covariance().fill(0.0);
-}
-
-void to_ros2(const DiagnosticsMessage& in, std::int64_t stamp_ns, diagnostic_msgs::msg::DiagnosticArray& out) {
-  constexpr std::uint8_t kOkLevel = 0, kWarn = 1, kStaleLevel = 3;
-  set_header(out.header(), stamp_ns, "");
-  diagnostic_msgs::msg::DiagnosticStatus status;
-  status.level(in.status == AttitudeStatus::kOk ? kOkLevel : in.status == AttitudeStatus::kStale ? kStaleLevel : kWarn);
-  status.name("stillpointd: IMU");
-  status.message(in.message);
-  status.hardware_id(in.sensor_id);
-  const auto add = [&status](const char* key, std::string value) {
-    diagnostic_msgs::msg::KeyValue pair;
-    pair.key(key);
-    pair.value(std::move(value));
-    status.values().push_back(pair);
-  };
-  const auto percentile = [&in](double p) {
-    return fmt::format("{:.1f}", us(latency_percentile_ns(in.latency_counts, p)));
-  };
-  add("status", std::string(name(in.status)));
-  add("rate_hz", fmt::format("{:.2f}", in.rate_hz));
-  add("expected_rate_hz", fmt::format("{:.2f}", in.expected_rate_hz));
-  add("samples", std::to_string(in.samples));
-  add("gaps", std::to_string(in.gaps));
-  add("dropped", std::to_string(in.dropped));
-  add("clipped", std::to_string(in.clipped));
-  add("latency_us_p50", percentile(0.5));
-  add("latency_us_p99", percentile(0.99));
-  add("latency_us_max", fmt::format("{:.1f}", us(in.latency_max_ns)));
-  add("temperature_c", fmt::format("{:.2f}", in.temp_degC));
-  add("last_refusal_reason", in.last_refusal);
-  out.status().assign(1, status);
+  out.latency_counts = in.latency_counts();
+  // A stranger may send any number; what is not one becomes the least.
+  out.latency_max_ns = static_cast<std::int64_t>(1e3 * std::clamp(std::fmax(in.latency_max_us(), 0.0), 0.0, 1e15));
 }
 
 }  // namespace stillpoint::io

@@ -1,5 +1,6 @@
 /// The Fast DDS objects behind publisher and subscriber: one participant, what was made in it, and its orderly end.
 #pragma once
+#include <exception>
 #include <fastdds/dds/domain/DomainParticipant.hpp>
 #include <fastdds/dds/publisher/DataWriter.hpp>
 #include <fastdds/dds/publisher/Publisher.hpp>
@@ -13,6 +14,7 @@
 #include <string>
 
 #include "core/result.h"
+#include "io/dds_gate.h"
 #include "io/dds_neighbours.h"
 #include "io/dds_params.h"
 
@@ -39,17 +41,35 @@ class DdsEntities {
                                                 const dds::DataReaderQos& qos, dds::DataReaderListener* listener);
   /// Pre: one was given to create().
   [[nodiscard]] Neighbours neighbours() const { return neighbours_->seen(); }
+  /// What was kept from Fast DDS at the door.
+  [[nodiscard]] const GateCounts& gate() const { return *gate_; }
   /// Listeners are not called again once this returns.
   void stop() noexcept;
 
  private:
   DdsEntities();
   [[nodiscard]] Result<dds::Topic*> topic(const std::string& name, const dds::TypeSupport& type);
+  [[nodiscard]] tl::unexpected<Error> refused(const char* endpoint, const std::string& topic) const;
 
+  bool secured_ = false;
   std::unique_ptr<NeighbourWatch> neighbours_;
+  std::shared_ptr<GateCounts> gate_ = std::make_shared<GateCounts>();
   dds::DomainParticipant* participant_ = nullptr;
   dds::Publisher* publisher_ = nullptr;
   dds::Subscriber* subscriber_ = nullptr;
+};
+
+/// A type whose malformed samples are left out. Fast DDS lets what a deserialisation throws end the program.
+template <class PubSubType>
+class Guarded : public PubSubType {
+ public:
+  bool deserialize(eprosima::fastrtps::rtps::SerializedPayload_t* payload, void* data) override {
+    try {
+      return PubSubType::deserialize(payload, data);
+    } catch (const std::exception&) {
+      return false;
+    }
+  }
 };
 
 /// Quality of service of the topics, the same on both sides.

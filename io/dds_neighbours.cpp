@@ -5,11 +5,14 @@
 #include <fastdds/dds/core/policy/QosPolicies.hpp>
 #include <fastdds/dds/domain/DomainParticipant.hpp>
 
+#include "io/quote.h"
+
 namespace stillpoint::io {
 namespace {
 
 namespace dds = eprosima::fastdds::dds;
 using Writer = eprosima::fastrtps::rtps::WriterDiscoveryInfo;
+using Participant = eprosima::fastrtps::rtps::ParticipantDiscoveryInfo;
 using Reader = eprosima::fastrtps::rtps::ReaderDiscoveryInfo;
 
 /// +1 for an endpoint that came, -1 for one that left or was lost, 0 for one that changed.
@@ -41,7 +44,19 @@ std::string in_words(int policy) {
 
 Neighbours NeighbourWatch::seen() const {
   const int refused = refused_.load();
-  return {publishers_.load(), of_other_type_.load(), refused, refused > 0 ? in_words(policy_.load()) : ""};
+  const std::lock_guard lock(mutex_);
+  return {publishers_.load(),  of_other_type_.load(), refused, refused > 0 ? in_words(policy_.load()) : "",
+          unreachable_.load(), unreachable_name_};
+}
+
+/// The transport has left out of its addresses those that it does not serve.
+void NeighbourWatch::on_participant_discovery(dds::DomainParticipant*, Participant&& found) {
+  if (found.status != Participant::DISCOVERED_PARTICIPANT) return;
+  const auto& data = found.info.default_locators;
+  if (!data.unicast.empty() || !data.multicast.empty()) return;
+  const std::lock_guard lock(mutex_);
+  unreachable_name_ = printable(found.info.m_participantName.c_str(), 60);
+  ++unreachable_;
 }
 
 void NeighbourWatch::on_publisher_discovery(dds::DomainParticipant* own, Writer&& found) {

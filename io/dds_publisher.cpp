@@ -23,6 +23,7 @@ using Code = eprosima::fastrtps::types::ReturnCode_t;
 constexpr std::string_view kImuHash = "7d9a00ff131080897a5ec7e26e315954b8eae3353c3f995c55faf71574000b5b";
 constexpr std::string_view kMagneticFieldHash = "e80f32f56a20486c9923008fc1a1db07bbb273cbbf6a5b3bfa00835ee00e4dff";
 constexpr std::string_view kDiagnosticArrayHash = "5a8a36efb05fb25070fa0fb3810290c0e6cd4862b54a8fb975a1ee8dc55a333e";
+constexpr std::string_view kTemperatureHash = "72514a14126ab9f8a9abec974c78e5610a367b59db5da355ff1fb982d5bad4b8";
 constexpr int kRos2Depth = 10;  // the depth of rmw's default profile
 
 /// CLOCK_REALTIME of an instant of CLOCK_MONOTONIC: ROS 2 stamps are in wall time. 0 means now.
@@ -38,6 +39,27 @@ dds::DataWriterQos ros2_writer_qos(std::string_view hash) {
   return qos;
 }
 
+/// A writer whose messages serve nobody but the readers of the moment: without one the work is left out.
+class Ros2Writer {
+ public:
+  dds::DataWriter* writer = nullptr;  ///< null: not published
+
+  /// Looks at most every 20 ms, as looking takes a lock.
+  bool is_wanted(std::int64_t now_ns) {
+    constexpr std::int64_t kLookAgain_ns = 20'000'000;
+    if (writer == nullptr) return false;
+    if (now_ns - looked_ns_ < kLookAgain_ns) return wanted_;
+    looked_ns_ = now_ns;
+    dds::PublicationMatchedStatus status;
+    writer->get_publication_matched_status(status);
+    return wanted_ = status.current_count > 0;
+  }
+
+ private:
+  std::int64_t looked_ns_ = 0;
+  bool wanted_ = false;
+};
+
 }  // namespace
 
 struct DdsPublisher::Impl {
@@ -48,8 +70,7 @@ struct DdsPublisher::Impl {
   dds::DataWriter* raw = nullptr;
   dds::DataWriter* calibration = nullptr;
   dds::DataWriter* diagnostics = nullptr;
-  dds::DataWriter* imu = nullptr;
-  dds::DataWriter* mag = nullptr;
+  Ros2Writer imu, imu_raw, mag, temperature;
   dds::DataWriter* ros2_diagnostics = nullptr;
   // Kept between writes, so that the hot one is never constructed and the slow ones keep their strings' memory.
   msg::Attitude attitude_message;
@@ -58,6 +79,7 @@ struct DdsPublisher::Impl {
   msg::Diagnostics diagnostics_message;
   sensor_msgs::msg::Imu imu_message;
   sensor_msgs::msg::MagneticField mag_message;
+  sensor_msgs::msg::Temperature temperature_message;
   diagnostic_msgs::msg::DiagnosticArray ros2_diagnostics_message;
 
   Result<void> create_writers();
@@ -82,9 +104,15 @@ Result<void> DdsPublisher::Impl::create_writers() {
     make(*slow, params.raw_topic, new msg::RawImuPubSubType, reliable_writer_qos(kRawDepth, false), raw);
   if (!params.ros2) return done;
   const std::string prefix = "rt/" + (params.ros2_namespace.empty() ? "" : params.ros2_namespace + "/");
-  make(*slow, prefix + "imu/data", new sensor_msgs::msg::ImuPubSubType, ros2_writer_qos(kImuHash), imu);
-  make(*slow, prefix + "imu/mag", new sensor_msgs::msg::MagneticFieldPubSubType, ros2_writer_qos(kMagneticFieldHash),
-       mag);
+  make(*slow, prefix + "imu/data", new sensor_msgs::msg::ImuPubSubType, ros2_writer_qos(kImuHash), imu.writer);
+  if (params.ros2_readings) {
+    make(*slow, prefix + "imu/data_raw", new sensor_msgs::msg::ImuPubSubType, ros2_writer_qos(kImuHash),
+         imu_raw.writer);
+    make(*slow, prefix + "imu/mag", new sensor_msgs::msg::MagneticFieldPubSubType, ros2_writer_qos(kMagneticFieldHash),
+         mag.writer);
+    make(*slow, prefix + "imu/temperature", new sensor_msgs::msg::TemperaturePubSubType,
+         ros2_writer_qos(kTemperatureHash), temperature.writer);
+  }
   // REP-107: one topic for all of a machine, so no namespace.
   make(*slow, "rt/diagnostics", new diagnostic_msgs::msg::DiagnosticArrayPubSubType,
        ros2_writer_qos(kDiagnosticArrayHash), ros2_diagnostics);
@@ -94,7 +122,8 @@ Result<void> DdsPublisher::Impl::create_writers() {
 DdsPublisher::DdsPublisher(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
 DdsPublisher::~DdsPublisher() = default;
 
-Result<std::unique_ptr<DdsPublisher>> DdsPublisher::create(const DdsParams& params) {
+Result<std::unique_ptr<DdsPublisher>> DdsPublisher::create(const DdsParams& asked) {
+  const DdsParams params = in_namespace(asked);
   auto impl = std::make_unique<Impl>();
   impl->params = params;
   impl->loan = params.transport == "data_sharing";
@@ -148,14 +177,28 @@ bool DdsPublisher::publish_diagnostics(const DiagnosticsMessage& message) {
   return impl_->ros2_diagnostics->write(&impl_->ros2_diagnostics_message) && written;
 }
 
-bool DdsPublisher::publish_imu(const AttitudeMessage& attitude, const CalibratedSample& sample) {
-  if (impl_->imu == nullptr) return false;
-  const std::int64_t stamp_ns = realtime_of(attitude.t_arrival_ns);
-  to_ros2(attitude, sample, stamp_ns, impl_->params.frame_id, impl_->imu_message);
-  const bool written = impl_->imu->write(&impl_->imu_message);
-  if (!sample.holds(kMag)) return written;
-  to_ros2(sample, stamp_ns, impl_->params.frame_id, impl_->mag_message);
-  return impl_->mag->write(&impl_->mag_message) && written;
+bool DdsPublisher::publish_imu(const Ros2Sample& sample) {
+  Impl& i = *impl_;
+  const std::int64_t now_ns = monotonic_ns();
+  const Ros2Header header{realtime_of(sample.attitude.t_arrival_ns), i.params.frame_id};
+  bool written = true;
+  if (i.imu.is_wanted(now_ns)) {
+    to_ros2(sample.attitude, sample.calibrated, sample.covariances, header, i.imu_message);
+    written = i.imu.writer->write(&i.imu_message);
+  }
+  if (i.imu_raw.is_wanted(now_ns)) {
+    to_ros2_raw(sample.raw, sample.covariances, header, i.imu_message);
+    written = i.imu_raw.writer->write(&i.imu_message) && written;
+  }
+  if (sample.calibrated.holds(kMag) && i.mag.is_wanted(now_ns)) {
+    to_ros2(sample.calibrated, sample.covariances, header, i.mag_message);
+    written = i.mag.writer->write(&i.mag_message) && written;
+  }
+  if (sample.raw.holds(kTemp) && i.temperature.is_wanted(now_ns)) {
+    to_ros2(sample.raw.temp_degC, header, i.temperature_message);
+    written = i.temperature.writer->write(&i.temperature_message) && written;
+  }
+  return written;
 }
 
 int DdsPublisher::attitude_subscribers() const {
@@ -166,11 +209,21 @@ int DdsPublisher::attitude_subscribers() const {
 
 Neighbours DdsPublisher::neighbours() const { return impl_->hot->neighbours(); }
 
+RefusedDatagrams DdsPublisher::refused_datagrams() const {
+  RefusedDatagrams sum;
+  for (const DdsEntities* one : {impl_->hot.get(), impl_->slow.get()}) {
+    sum.malformed += one->gate().malformed;
+    sum.off_host += one->gate().off_host;
+    sum.flooded += one->gate().flooded;
+  }
+  return sum;
+}
+
 bool DdsPublisher::wait_for_acknowledgements(double timeout_s) {
   const auto end_ns = monotonic_ns() + static_cast<std::int64_t>(1e9 * timeout_s);
   bool all = true;
-  for (auto* writer :
-       {impl_->raw, impl_->calibration, impl_->diagnostics, impl_->imu, impl_->mag, impl_->ros2_diagnostics}) {
+  for (auto* writer : {impl_->raw, impl_->calibration, impl_->diagnostics, impl_->imu.writer, impl_->imu_raw.writer,
+                       impl_->mag.writer, impl_->temperature.writer, impl_->ros2_diagnostics}) {
     if (writer == nullptr) continue;
     const auto left_ns = std::max<std::int64_t>(0, end_ns - monotonic_ns());
     const eprosima::fastrtps::Duration_t left(static_cast<std::int32_t>(left_ns / 1'000'000'000),

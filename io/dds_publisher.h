@@ -12,6 +12,14 @@
 
 namespace stillpoint::io {
 
+/// One sample as the ROS 2 topics show it: all in the axes of the body.
+struct Ros2Sample {
+  const AttitudeMessage& attitude;
+  const CalibratedSample& calibrated;
+  const RawSample& raw;
+  const ReadingCovariances& covariances;
+};
+
 class DdsPublisher {
  public:
   /// Fails with 78 for values that make no sense, 69 when no participant can be created.
@@ -28,13 +36,15 @@ class DdsPublisher {
   bool publish_raw(const RawSample& sample, std::int64_t t_arrival_ns);
   bool publish_calibration(const CalibrationMessage& message);
   bool publish_diagnostics(const DiagnosticsMessage& message);  ///< also as rt/diagnostics
-  bool publish_imu(const AttitudeMessage& attitude,
-                   const CalibratedSample& sample);  ///< rt/imu/data, and rt/imu/mag if measured
+  /// rt/imu/data, and what else ROS 2 programs look for: imu/data_raw, imu/mag and imu/temperature where measured.
+  bool publish_imu(const Ros2Sample& sample);
 
   /// Subscribers of the attitude now matched. Any thread.
   [[nodiscard]] int attitude_subscribers() const;
   /// What other programs do on the attitude's topic. Any thread.
   [[nodiscard]] Neighbours neighbours() const;
+  /// Datagrams so far that were kept from Fast DDS. Any thread.
+  [[nodiscard]] RefusedDatagrams refused_datagrams() const;
   /// Waits until every reliable message so far has been acknowledged. False: the time was up. Slow thread.
   bool wait_for_acknowledgements(double timeout_s);
 

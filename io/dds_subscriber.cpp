@@ -62,30 +62,27 @@ struct DdsSubscriber::Impl {
 Result<void> DdsSubscriber::Impl::subscribe_all(const DdsParams& params) {
   Result<void> done;
   if (handlers.attitude)
-    done = subscribe<msg::Attitude>(params.attitude_topic, new msg::AttitudePubSubType,
+    done = subscribe<msg::Attitude>(params.attitude_topic, new Guarded<msg::AttitudePubSubType>,
                                     attitude_reader_qos(params.transport),
                                     [this](const msg::Attitude& in, std::int64_t t_receive_ns) {
                                       AttitudeMessage out;
-                                      from_wire(in, out);
-                                      handlers.attitude(out, t_receive_ns);
+                                      if (from_wire(in, out)) handlers.attitude(out, t_receive_ns);
                                     });
   if (done && handlers.raw && !params.raw_topic.empty())
-    done = subscribe<msg::RawImu>(params.raw_topic, new msg::RawImuPubSubType, reliable_reader_qos(kRawDepth, false),
-                                  [this](const msg::RawImu& in, std::int64_t) {
+    done = subscribe<msg::RawImu>(params.raw_topic, new Guarded<msg::RawImuPubSubType>,
+                                  reliable_reader_qos(kRawDepth, false), [this](const msg::RawImu& in, std::int64_t) {
                                     RawSample out;
-                                    from_wire(in, out);
-                                    handlers.raw(out, in.t_arrival_ns());
+                                    if (from_wire(in, out)) handlers.raw(out, in.t_arrival_ns());
                                   });
   if (done && handlers.calibration)
-    done = subscribe<msg::CalibrationState>(params.calibration_topic, new msg::CalibrationStatePubSubType,
+    done = subscribe<msg::CalibrationState>(params.calibration_topic, new Guarded<msg::CalibrationStatePubSubType>,
                                             reliable_reader_qos(1, true),
                                             [this](const msg::CalibrationState& in, std::int64_t) {
                                               CalibrationMessage out;
-                                              from_wire(in, out);
-                                              handlers.calibration(out);
+                                              if (from_wire(in, out)) handlers.calibration(out);
                                             });
   if (done && handlers.diagnostics)
-    done = subscribe<msg::Diagnostics>(params.diagnostics_topic, new msg::DiagnosticsPubSubType,
+    done = subscribe<msg::Diagnostics>(params.diagnostics_topic, new Guarded<msg::DiagnosticsPubSubType>,
                                        reliable_reader_qos(1, true), [this](const msg::Diagnostics& in, std::int64_t) {
                                          DiagnosticsMessage out;
                                          from_wire(in, out);
@@ -103,7 +100,7 @@ Result<std::unique_ptr<DdsSubscriber>> DdsSubscriber::create(const DdsParams& pa
   auto entities = DdsEntities::create(params, params.transport, "stillpoint subscriber");
   if (!entities) return tl::unexpected(entities.error());
   impl->entities = std::move(*entities);
-  if (auto done = impl->subscribe_all(params); !done) return tl::unexpected(done.error());
+  if (auto done = impl->subscribe_all(in_namespace(params)); !done) return tl::unexpected(done.error());
   return std::unique_ptr<DdsSubscriber>(new DdsSubscriber(std::move(impl)));
 }
 

@@ -9,15 +9,6 @@
 
 namespace stillpoint::io {
 
-double Recording::median_step_s() const {
-  if (size() < 2) return 0.0;
-  std::vector<std::int64_t> steps(size() - 1);
-  for (std::size_t i = 1; i < size(); ++i) steps[i - 1] = t_ns[i] - t_ns[i - 1];
-  const auto middle = steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 2);
-  std::nth_element(steps.begin(), middle, steps.end());
-  return 1e-9 * static_cast<double>(*middle);
-}
-
 RawSample Recording::sample(std::size_t row) const {
   RawSample s;
   s.t_ns = t_ns[row];
@@ -55,6 +46,7 @@ void format_header(const Recording& r, fmt::memory_buffer& out) {
   if (!r.ref_q_world_body.empty()) fmt::format_to(to, ",ref_qw,ref_qx,ref_qy,ref_qz");
   if (!r.ref_position_m.empty()) fmt::format_to(to, ",ref_px_m,ref_py_m,ref_pz_m");
   if (!r.ref_moving.empty()) fmt::format_to(to, ",ref_moving");
+  for (const auto& [name, values] : r.user_columns) fmt::format_to(to, ",{}", name);
   fmt::format_to(to, "\n");
 }
 
@@ -79,6 +71,7 @@ void format_row(const Recording& r, std::size_t i, fmt::memory_buffer& out) {
   if (!r.ref_q_world_body.empty()) numbers(r.ref_q_world_body[i]);
   if (!r.ref_position_m.empty()) numbers(r.ref_position_m[i]);
   if (!r.ref_moving.empty()) number(r.ref_moving[i]);
+  for (const auto& [name, values] : r.user_columns) number(values[i]);
   out.push_back('\n');
 }
 

@@ -28,7 +28,7 @@ struct RecordingIssues {
   Irregularity not_finite;           ///< NaN or infinity in a field; taken as not measured
   Irregularity repeated_time;        ///< row dropped
   Irregularity backward_time;        ///< row dropped
-  Irregularity gap;                  ///< step longer than 2.5 times the median step; kept
+  Irregularity gap;                  ///< a sensor's step longer than 2.5 times its own median step; rows are kept
   Irregularity malformed;            ///< row dropped (only when the reader is told to go on)
   bool truncated_last_line = false;  ///< the last row was cut short; dropped
   double longest_gap_s = 0.0;
@@ -50,6 +50,7 @@ struct Recording {
   std::vector<Eigen::Vector4d> ref_q_world_body;  ///< w, x, y, z
   std::vector<Vec3> ref_position_m;
   std::vector<double> ref_moving;
+  std::map<std::string, std::vector<double>> user_columns;  ///< those of other names, kept for who asks for them
   bool acc_in_counts = false, gyr_in_counts = false, mag_in_counts = false;
   RecordingIssues issues;
 
@@ -59,6 +60,15 @@ struct Recording {
   [[nodiscard]] double median_step_s() const;
   /// Row as the sensor's sample. A triad with a missing axis is not in the sample.
   [[nodiscard]] RawSample sample(std::size_t row) const;
+};
+
+/// When one sensor was read. Sensors have rates of their own: a row without a sensor is no gap of it.
+struct SensorTimes {
+  const char* name;  ///< as in its columns: acc, gyr, mag, temp
+  std::size_t readings = 0;
+  double median_step_s = 0.0;  ///< 0 with fewer than two readings
+  double longest_gap_s = 0.0;  ///< of its gaps; 0 without one
+  std::size_t gaps = 0;
 };
 
 enum class OnMalformedRow { kFail, kCount };
@@ -77,6 +87,12 @@ enum class OnMalformedRow { kFail, kCount };
 /// The same in parts: the header lines and the names of the non-empty columns, then rows of those very columns.
 [[nodiscard]] Result<void> write_header(const Recording& recording, OutputFile& file);
 [[nodiscard]] Result<void> write_rows(const Recording& recording, OutputFile& file);
+
+/// The sensors that were read at all, in the order acc, gyr, mag, temp.
+[[nodiscard]] std::vector<SensorTimes> sensor_times(const Recording& recording);
+
+/// Fills the gaps of the issues; `lines` are those of the rows in their file.
+void find_gaps(Recording& recording, const std::vector<std::size_t>& lines);
 
 /// The irregularities in words, one a line, empty when there are none.
 [[nodiscard]] std::vector<std::string> describe(const RecordingIssues& issues);

@@ -9,36 +9,14 @@
 #include <cmath>
 
 #include "io/quote.h"
-#include "io/recording_columns.h"
+#include "io/recording_header.h"
 #include "io/text_file.h"
 
 namespace stillpoint::io {
 namespace {
 
 constexpr std::size_t kMostMessages = 10;
-constexpr double kGapOverMedianStep = 2.5;
 constexpr double kLatest_ns = 4.6e18;  // 146 years: the difference of any two times still fits
-
-/// Where a column's number goes, and what it is multiplied with on the way.
-struct Column {
-  std::optional<std::size_t> field;
-  double to_si = 1.0;
-};
-
-std::string_view strip(std::string_view s) {
-  const auto first = s.find_first_not_of(" \t\r");
-  if (first == std::string_view::npos) return {};
-  return s.substr(first, s.find_last_not_of(" \t\r") - first + 1);
-}
-
-/// Takes one line off the text; `ended` is false when the file stops without a newline.
-std::string_view take_line(std::string_view& text, bool& ended) {
-  const auto end = text.find('\n');
-  ended = end != std::string_view::npos;
-  const std::string_view line = text.substr(0, end);
-  text.remove_prefix(ended ? end + 1 : text.size());
-  return line;
-}
 
 class Parser {
  public:
@@ -46,7 +24,9 @@ class Parser {
       : text_(text), name_(name), policy_(policy) {}
 
   Result<Recording> run() {
-    if (auto header = read_header(); !header) return tl::unexpected(header.error());
+    auto header = take_header(text_, name_);
+    if (!header) return tl::unexpected(header.error());
+    begin(std::move(*header));
     bool ended = true;
     while (!text_.empty()) {
       ++line_;
@@ -62,86 +42,24 @@ class Parser {
     }
     if (out_.t_ns.empty())
       return fail(ErrorKind::kBadData, fmt::format("{}:{}: the recording has no rows after its header", name_, line_));
-    find_gaps();
+    find_gaps(out_, lines_);
     return std::move(out_);
   }
 
  private:
-  Result<void> read_header() {
-    bool ended = true;
-    std::string_view line;
-    do {
-      if (text_.empty())
-        return fail(ErrorKind::kBadData,
-                    fmt::format("{}:{}: no header line; expected column names such as time_s,acc_x_mps2,...", name_,
-                                std::max<std::size_t>(line_, 1)));
-      ++line_;
-      line = strip(take_line(text_, ended));
-      if (line_ == 1 && line.substr(0, 3) == "\xEF\xBB\xBF") line = strip(line.substr(3));
-      if (!line.empty() && line[0] == '#') {
-        const auto colon = line.find(':');
-        if (colon != std::string_view::npos)
-          out_.header[std::string(strip(line.substr(1, colon - 1)))] = strip(line.substr(colon + 1));
-        line = {};
-      }
-    } while (line.empty());
-    return read_columns(line);
-  }
-
-  /// What the columns of each group are so far.
-  struct Groups {
-    std::array<std::size_t, kColumnGroups> seen{};
-    std::array<std::string_view, kColumnGroups> unit;
-  };
-
-  Result<void> read_columns(std::string_view line) {
-    Groups groups;
-    for (std::size_t start = 0, end = 0; start <= line.size(); start = end + 1) {
-      end = std::min(line.find(',', start), line.size());
-      read_column(start + 1, std::string(strip(line.substr(start, end - start))), groups);
-    }
-    check_groups(line, groups);
-    if (!header_faults_.empty()) return fail(ErrorKind::kBadData, header_faults_);
-    for (std::size_t g = 0; g < kColumnGroups; ++g) present_[g] = groups.seen[g] > 0;
-    out_.acc_in_counts = groups.unit[kAccGroup] == "counts";
-    out_.gyr_in_counts = groups.unit[kGyrGroup] == "counts";
-    out_.mag_in_counts = groups.unit[kMagGroup] == "counts";
-    return {};
-  }
-
-  void header_fault(std::size_t column, const std::string& what) {
-    header_faults_ += fmt::format("{}{}:{}:{}: {}", header_faults_.empty() ? "" : "\n", name_, line_, column, what);
-  }
-
-  void read_column(std::size_t at, const std::string& name, Groups& groups) {
-    const auto known = known_column(name);
-    if (!known) {
-      columns_.push_back({});
-      out_.issues.unknown_columns.push_back(name);
-      return;
-    }
-    if (std::find(names_.begin(), names_.end(), name) != names_.end())
-      header_fault(at, fmt::format("column '{}' stands twice; remove one", name));
-    names_.push_back(name);
-    columns_.push_back({known->field, known->to_si});
-    std::string_view& unit = groups.unit[known->group];
-    if (groups.seen[known->group]++ > 0 && known->group != kTimeGroup && unit != known->unit)
-      header_fault(at, fmt::format("column '{}' is in {}, the axis before it in {}; one sensor has one unit", name,
-                                   known->unit, unit));
-    unit = known->unit;
-  }
-
-  void check_groups(std::string_view line, const Groups& groups) {
-    const auto& seen = groups.seen;
-    if (seen[kTimeGroup] == 0) header_fault(1, "no time column; expected one of time_s, time_ms, time_us, time_ns");
-    if (seen[kTimeGroup] > 1) header_fault(1, "more than one time column; keep one");
-    for (std::size_t g = kAccGroup; g < kColumnGroups; ++g)
-      if (const auto& group = kColumnGroupInfo[g]; seen[g] != 0 && seen[g] != group.size)
-        header_fault(1, fmt::format("only {} of the {} columns {}; all or none", seen[g], group.size, group.names));
-    const bool no_sensor = seen[kAccGroup] + seen[kGyrGroup] + seen[kMagGroup] == 0;
-    if (no_sensor) header_fault(1, "no sensor columns; expected acc_x_mps2, gyr_x_radps or mag_x_uT and their axes");
-    if (line.find('\r') == std::string_view::npos && seen[kTimeGroup] > 0 && !no_sensor) return;
-    if (const std::string mistake = likely_mistake(line); !mistake.empty()) header_fault(1, mistake);
+  void begin(RecordingHeader header) {
+    header_ = std::move(header);
+    line_ = header_.lines;
+    out_.header = header_.keys;
+    out_.acc_in_counts = header_.in_counts[kAccGroup];
+    out_.gyr_in_counts = header_.in_counts[kGyrGroup];
+    out_.mag_in_counts = header_.in_counts[kMagGroup];
+    out_.issues.unknown_columns = header_.user_columns;
+    out_.issues.unknown_columns.insert(out_.issues.unknown_columns.end(), header_.nameless.begin(),
+                                       header_.nameless.end());
+    user_.resize(header_.user_columns.size());
+    last_user_ = user_;
+    for (const auto& name : header_.user_columns) user_to_.push_back(&out_.user_columns[name]);
   }
 
   void malformed(std::size_t column, const std::string& what) {
@@ -154,50 +72,57 @@ class Parser {
     if (!line.empty() && line.back() == '\r') line.remove_suffix(1);
     if (line.empty() || line[0] == '#') return;
     row_.fill(kMissing);
+    std::fill(user_.begin(), user_.end(), kMissing);
     std::size_t start = 0;
-    std::int64_t t_ns = 0;
-    bool time_read = false;
-    for (std::size_t c = 0; c < columns_.size(); ++c) {
+    t_ns_.reset();
+    for (std::size_t c = 0; c < header_.columns.size(); ++c) {
       if (start > line.size()) return cut_or_malformed(ended, c);
       const std::size_t end = std::min(line.find(',', start), line.size());
       const std::string_view text = strip(line.substr(start, end - start));
-      if (columns_[c].field && !text.empty()) {
-        double value = 0.0;
-        const auto [stop, code] = std::from_chars(text.data(), text.data() + text.size(), value);
-        if (code == std::errc::invalid_argument || stop != text.data() + text.size()) {
-          if (!ended) return cut_or_malformed(ended, c);
-          return malformed(start + 1, quote(text) + " is not a number");
-        }
-        const std::size_t field = *columns_[c].field;
-        if (!std::isfinite(value * columns_[c].to_si) || code == std::errc::result_out_of_range) {
-          out_.issues.not_finite.note(line_);
-        } else if (field == kColumnGroupInfo[kTimeGroup].first) {
-          if (!parse_time(text, columns_[c].to_si, value, t_ns))
-            return malformed(start + 1,
-                             fmt::format("the time {} is out of range; 146 years either way are allowed", quote(text)));
-          time_read = true;
-        } else {
-          row_[field] = value * columns_[c].to_si;
-        }
-      }
+      if (!text.empty())
+        if (const std::string fault = read_field(header_.columns[c], text); !fault.empty())
+          return ended ? malformed(start + 1, fault) : cut_or_malformed(ended, c);
       start = end + 1;
     }
     if (start <= line.size())
-      return malformed(start, fmt::format("more than the {} fields of the header", columns_.size()));
+      return malformed(start, fmt::format("more than the {} fields of the header", header_.columns.size()));
     // Without a newline nobody can tell whether the last number was written whole.
     if (!ended) {
       out_.issues.truncated_last_line = true;
       return;
     }
-    if (!time_read) return malformed(1, "no time in this row");
-    append(t_ns);
+    if (!t_ns_) return malformed(1, "no time in this row");
+    append(*t_ns_);
+  }
+
+  /// What is wrong with it; empty: nothing. A text in a user column is no number of it, and no fault.
+  std::string read_field(const RecordingColumn& column, std::string_view text) {
+    double value = 0.0;
+    const auto [stop, code] = std::from_chars(text.data(), text.data() + text.size(), value);
+    const bool number = code != std::errc::invalid_argument && stop == text.data() + text.size();
+    if (!column.field) {
+      if (column.user && number && std::isfinite(value)) user_[*column.user] = value;
+      return {};
+    }
+    if (!number) return quote(text) + " is not a number";
+    if (!std::isfinite(value * column.to_si) || code == std::errc::result_out_of_range) {
+      out_.issues.not_finite.note(line_);
+    } else if (*column.field == kColumnGroupInfo[kTimeGroup].first) {
+      std::int64_t t_ns = 0;
+      if (!parse_time(text, column.to_si, value, t_ns))
+        return fmt::format("the time {} is out of range; 146 years either way are allowed", quote(text));
+      t_ns_ = t_ns;
+    } else {
+      row_[*column.field] = value * column.to_si;
+    }
+    return {};
   }
 
   void cut_or_malformed(bool ended, std::size_t fields) {
     if (!ended)
       out_.issues.truncated_last_line = true;
     else
-      malformed(1, fmt::format("{} fields, the header has {}", fields, columns_.size()));
+      malformed(1, fmt::format("{} fields, the header has {}", fields, header_.columns.size()));
   }
 
   /// Integers in time_ns keep every digit; the others go through a double, rounded to the nanosecond.
@@ -215,32 +140,42 @@ class Parser {
     if (same_time && !completes_last_row()) return out_.issues.repeated_time.note(line_);
     if (!out_.t_ns.empty() && t_ns < out_.t_ns.back()) return out_.issues.backward_time.note(line_);
     if (same_time) {
-      for (std::size_t f = 0; f < row_.size(); ++f)
-        if (!std::isfinite(row_[f])) row_[f] = last_row_[f];
+      keep_known(last_row_, row_);
+      keep_known(last_user_, user_);
     } else {
       out_.t_ns.push_back(t_ns);
       lines_.push_back(line_);
     }
     last_row_ = row_;
+    last_user_ = user_;
     write_last_row();
+  }
+
+  template <class Numbers>
+  static void keep_known(const Numbers& before, Numbers& now) {
+    for (std::size_t f = 0; f < now.size(); ++f)
+      if (!std::isfinite(now[f])) now[f] = before[f];
   }
 
   /// Loggers that write one sensor a line: the row has something that the one before it lacks, and contradicts nothing.
   [[nodiscard]] bool completes_last_row() const {
     bool any = false;
-    for (std::size_t f = 0; f < row_.size(); ++f) {
-      if (!std::isfinite(row_[f])) continue;
-      if (std::isfinite(last_row_[f]) && row_[f] != last_row_[f]) return false;
-      any = any || !std::isfinite(last_row_[f]);
-    }
-    return any;
+    const auto compatible = [&any](const auto& before, const auto& now) {
+      for (std::size_t f = 0; f < now.size(); ++f) {
+        if (!std::isfinite(now[f])) continue;
+        if (std::isfinite(before[f]) && now[f] != before[f]) return false;
+        any = any || !std::isfinite(before[f]);
+      }
+      return true;
+    };
+    return compatible(last_row_, row_) && compatible(last_user_, user_) && any;
   }
 
   void write_last_row() {
     const auto at = [this](ColumnGroup group, std::size_t k = 0) { return row_[kColumnGroupInfo[group].first + k]; };
     const auto triad = [&](ColumnGroup group) { return Eigen::Vector3d(at(group, 0), at(group, 1), at(group, 2)); };
     const auto put = [this](ColumnGroup group, auto& column, const auto& value) {
-      if (!present_[group]) return;
+      if (!header_.present[group]) return;
       column.resize(out_.t_ns.size());
       column.back() = value;
     };
@@ -255,15 +190,9 @@ class Parser {
                         at(kRefAttitudeGroup, 3)));
     put(kRefPositionGroup, out_.ref_position_m, triad(kRefPositionGroup));
     put(kRefMovingGroup, out_.ref_moving, at(kRefMovingGroup));
-  }
-
-  void find_gaps() {
-    const double step_s = out_.median_step_s();
-    for (std::size_t i = 1; i < out_.size(); ++i) {
-      const double dt_s = 1e-9 * static_cast<double>(out_.t_ns[i] - out_.t_ns[i - 1]);
-      if (dt_s <= kGapOverMedianStep * step_s) continue;
-      out_.issues.gap.note(lines_[i]);
-      out_.issues.longest_gap_s = std::max(out_.issues.longest_gap_s, dt_s);
+    for (std::size_t c = 0; c < user_.size(); ++c) {
+      user_to_[c]->resize(out_.t_ns.size());
+      user_to_[c]->back() = user_[c];
     }
   }
 
@@ -271,12 +200,12 @@ class Parser {
   std::string name_;
   OnMalformedRow policy_;
   std::size_t line_ = 0;
-  std::vector<Column> columns_;
-  std::vector<std::string> names_;
-  std::string header_faults_;
-  std::array<bool, kColumnGroups> present_{};
+  RecordingHeader header_;
   std::vector<std::size_t> lines_;
+  std::optional<std::int64_t> t_ns_;  ///< of the row that is being read
   RecordingRow row_{}, last_row_{};
+  std::vector<double> user_, last_user_;
+  std::vector<std::vector<double>*> user_to_;
   Recording out_;
 };
 

@@ -22,6 +22,23 @@ double start_of_reference_s(const Recording& r) {
   return r.size() > 0 ? r.t_s(0) : 0.0;
 }
 
+/// A thermometer's noise and lattice are not the temperature: means over a second to either side, straight lines at the
+/// ends, so that a slope stays one.
+std::vector<double> without_thermometer_noise(const sim::TimeSeries& x) {
+  constexpr double kHalf_s = 1.0;
+  std::vector<double> out(x.value.size());
+  std::vector<double> sum(x.value.size() + 1, 0.0);
+  for (std::size_t i = 0; i < x.value.size(); ++i) sum[i + 1] = sum[i] + x.value[i];
+  std::size_t a = 0, b = 0;
+  for (std::size_t i = 0; i < out.size(); ++i) {
+    const double half = std::min({kHalf_s, x.t_s[i] - x.t_s.front(), x.t_s.back() - x.t_s[i]});
+    while (x.t_s[a] < x.t_s[i] - half) ++a;
+    while (b < out.size() && x.t_s[b] <= x.t_s[i] + half) ++b;
+    out[i] = (sum[b] - sum[a]) / static_cast<double>(b - a);
+  }
+  return out;
+}
+
 }  // namespace
 
 void append(const sim::SimulatedSample& row, Recording& to) {
@@ -110,6 +127,8 @@ sim::RecordedEnvironment recorded_environment(const Recording& r) {
   take(r.temp_degC, out.temp_degC);
   take(r.current_A, out.current_A);
   take(r.supply_V, out.supply_V);
+  out.temp_degC.value = without_thermometer_noise(out.temp_degC);
+  for (const auto& [name, column] : r.user_columns) take(column, out.user[name]);
   return out;
 }
 

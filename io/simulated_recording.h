@@ -37,7 +37,8 @@ class SimulatedRecordingFile {
 /// Reference columns as a track for sim::RecordedMotion; rows without a reference orientation are left out.
 [[nodiscard]] sim::ReferenceTrack reference_track(const Recording& recording);
 
-/// Measured temperature, current and supply, on the clock of that track.
+/// Measured temperature (its noise smoothed over a second), current, supply and user columns, on the clock of that
+/// track.
 [[nodiscard]] sim::RecordedEnvironment recorded_environment(const Recording& recording);
 
 }  // namespace stillpoint::io

@@ -22,6 +22,10 @@ namespace stillpoint::io {
 /// sensors: [acc], window_s: [a, b]}.
 void read_effect(const YAML::Node& entry, sim::EffectConfig& out, YamlFaults& faults);
 
+/// One entry {effect: law, sensor: acc, law: "norm(w) * (T - 25)", k: [...]} or {effect: table, ...}.
+void read_written_effect(const YAML::Node& entry, sim::EffectConfig& out, YamlFaults& faults);
+[[nodiscard]] std::string format_written_effect(const sim::EffectConfig& effect);
+
 /// Text that reads back to an equal configuration. Defaults are left out of the optional blocks.
 [[nodiscard]] std::string format_simulation(const sim::SimulationConfig& config);
 [[nodiscard]] std::string format_effect(const sim::EffectConfig& effect);  ///< one line, flow style

@@ -107,6 +107,7 @@ void read_effect(const YAML::Node& entry, EffectConfig& out, YamlFaults& faults)
   if (!entry.IsMap() || !entry["effect"] || !entry["effect"].IsScalar())
     return faults.add(entry, "expected {effect: ID, parameters...}; docs/effects.md lists the IDs");
   out.id = entry["effect"].Scalar();
+  if (out.id == "law" || out.id == "table") return read_written_effect(entry, out, faults);
   const sim::EffectInfo* info = sim::find_effect(out.id);
   if (info == nullptr) {
     Names ids;

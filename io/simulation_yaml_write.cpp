@@ -3,6 +3,7 @@
 
 #include "io/simulation_yaml.h"
 #include "io/text_file.h"
+#include "simulation/law_effect.h"
 
 namespace stillpoint::io {
 namespace {
@@ -70,6 +71,7 @@ std::string format_triad(const TriadConfig& t, const std::string& unit) {
 }  // namespace
 
 std::string format_effect(const EffectConfig& e) {
+  if (sim::is_law(e) || sim::is_table(e)) return format_written_effect(e);
   std::string out = "{effect: " + e.id;
   for (const auto& [key, values] : e.parameters) {
     if (values.size() == 1) {

@@ -12,6 +12,8 @@
 #include <iterator>
 #include <span>
 
+#include "core/fnv1a.h"
+
 namespace stillpoint::io {
 
 class Descriptor {
@@ -34,11 +36,8 @@ namespace fs = std::filesystem;
 constexpr int kFormat = 1;
 constexpr std::uintmax_t kLargest = 1 << 20;  // a state has some kilobytes
 
-/// FNV-1a, 64 bit: against damage, not against malice.
 std::uint64_t checksum(std::span<const std::byte> bytes) {
-  std::uint64_t hash = 0xcbf29ce484222325ULL;
-  for (const std::byte b : bytes) hash = (hash ^ static_cast<std::uint64_t>(b)) * 0x100000001b3ULL;
-  return hash;
+  return fnv1a({reinterpret_cast<const char*>(bytes.data()), bytes.size()});
 }
 
 std::string header(const std::string& sensor_id, std::span<const std::byte> payload) {
@@ -140,7 +139,7 @@ Result<void> StateStore::claim() {
   auto lock = std::make_shared<const Descriptor>(::open(file.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC, 0640));
   if (lock->get() < 0) return cannot("cannot be written", file, kNameAFolder);
   if (::flock(lock->get(), LOCK_EX | LOCK_NB) != 0)
-    return fail(ErrorKind::kCannotCreate,
+    return fail(ErrorKind::kUnavailable,
                 fmt::format("{}: another stillpointd keeps the calibration of sensor '{}' here; end it, or give this "
                             "one another sensor.id or state.directory",
                             file, sensor_id_));
@@ -163,25 +162,25 @@ Result<void> StateStore::save(std::span<const std::byte> payload) const {
   return put_in_place(*temporary, path());
 }
 
-StateStore::Loaded StateStore::load(const std::function<bool(std::span<const std::byte>)>& accept) const {
+StateStore::Loaded StateStore::load(const std::function<std::string(std::span<const std::byte>)>& why_not) const {
   Loaded loaded;
   for (int age = 0; age < keep_; ++age) {
     const std::string file = path(age);
     auto state = read_state_file(file);
     if (!state && state.error().kind == ErrorKind::kNoInput) continue;
     const bool another = state && state->sensor_id != sensor_id_;
-    if (state && !another && accept(state->payload)) {
+    const std::string reason = !state    ? state.error().message
+                               : another ? "it belongs to another sensor"
+                                         : why_not(state->payload);
+    if (reason.empty()) {
       loaded.payload = std::move(state->payload);
       loaded.file = file;
       return loaded;
     }
     const std::string aside = file + ".damaged";
     const bool moved = ::rename(file.c_str(), aside.c_str()) == 0;
-    loaded.set_aside.push_back(fmt::format("{}: {}; {}", file,
-                                           !state    ? state.error().message
-                                           : another ? "it belongs to another sensor"
-                                                     : "of another layout or not finite",
-                                           moved ? "set aside as " + aside : "it could not be renamed"));
+    loaded.set_aside.push_back(
+        fmt::format("{}: {}; {}", file, reason, moved ? "set aside as " + aside : "it could not be renamed"));
   }
   return loaded;
 }

@@ -6,6 +6,7 @@
 #include <memory>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "core/result.h"
@@ -16,6 +17,9 @@ namespace stillpoint::io {
 struct StateFile {
   std::string sensor_id;
   std::vector<std::byte> payload;
+  [[nodiscard]] std::string_view text() const {
+    return {reinterpret_cast<const char*>(payload.data()), payload.size()};
+  }
 };
 /// Fails with 66 (not there) or 65 (not a state file, cut short, damaged).
 [[nodiscard]] Result<StateFile> read_state_file(const std::string& path);
@@ -30,7 +34,8 @@ class StateStore {
   StateStore(std::string directory, std::string sensor_id, int keep);
 
   /// Creates the folder, tries to write there and locks the sensor's files against a second daemon, before anything is
-  /// learnt that could not be kept. Fails with 73. The lock ends with the process, however that ends.
+  /// learnt that could not be kept. Fails with 73, with 69 where another daemon has the lock. The lock ends with the
+  /// process, however that ends.
   [[nodiscard]] Result<void> claim();
 
   /// Temporary file, fsync, the older ones moved up, rename, fsync of the folder. Fails with 73; the older ones stay.
@@ -41,8 +46,8 @@ class StateStore {
     std::string file;                    ///< where it came from
     std::vector<std::string> set_aside;  ///< what was damaged, in words; those files are renamed, never deleted
   };
-  /// The newest file that is whole and that `accept` takes; the ones it refuses are set aside like damaged ones.
-  [[nodiscard]] Loaded load(const std::function<bool(std::span<const std::byte>)>& accept) const;
+  /// The newest file that is whole and that `why_not` has nothing against; the others are set aside like damaged ones.
+  [[nodiscard]] Loaded load(const std::function<std::string(std::span<const std::byte>)>& why_not) const;
 
   [[nodiscard]] std::string path(int age = 0) const;
 

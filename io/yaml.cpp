@@ -3,28 +3,14 @@
 #include <yaml-cpp/eventhandler.h>
 
 #include <algorithm>
-#include <numeric>
 #include <sstream>
 
+#include "core/nearest.h"
 #include "io/quote.h"
 #include "io/text_file.h"
 
 namespace stillpoint::io {
 namespace {
-
-/// Levenshtein distance.
-std::size_t edits(const std::string& a, const std::string& b) {
-  std::vector<std::size_t> row(b.size() + 1);
-  std::iota(row.begin(), row.end(), std::size_t{0});
-  for (std::size_t i = 1; i <= a.size(); ++i) {
-    std::size_t diagonal = std::exchange(row[0], i);
-    for (std::size_t j = 1; j <= b.size(); ++j) {
-      const std::size_t change = diagonal + (a[i - 1] == b[j - 1] ? 0 : 1);
-      diagonal = std::exchange(row[j], std::min({row[j] + 1, row[j - 1] + 1, change}));
-    }
-  }
-  return row[b.size()];
-}
 
 /// Aliases are refused: one that contains itself would send every reader of the tree round for ever.
 class AliasFinder : public YAML::EventHandler {
@@ -116,10 +102,7 @@ Result<YAML::Node> load_yaml(const std::string& path) {
 }
 
 std::string suggestion(const std::string& key, const std::vector<std::string>& known) {
-  const auto nearest = std::min_element(known.begin(), known.end(),
-                                        [&](const auto& a, const auto& b) { return edits(key, a) < edits(key, b); });
-  if (nearest != known.end() && edits(key, *nearest) <= std::max<std::size_t>(2, key.size() / 3))
-    return fmt::format("; did you mean '{}'?", *nearest);
+  if (const auto meant = nearest(key, known); !meant.empty()) return fmt::format("; did you mean '{}'?", meant);
   return fmt::format("; known here: {}", fmt::join(known, ", "));
 }
 

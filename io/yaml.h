@@ -70,18 +70,29 @@ void read_value(const YAML::Node& node, std::vector<P>& out, const Range&, const
   for (const auto& item : node) read_fields(item, out.emplace_back(), faults);
 }
 
-/// Reads every field of P that is in the map; the others keep their defaults.
-template <HasFields P>
-void read_fields(const YAML::Node& map, P& out, YamlFaults& faults) {
-  if (!map.IsMap()) return faults.add(map, "expected keys with values here");
-  std::vector<std::string> known;
-  std::apply([&](const auto&... f) { (known.emplace_back(f.name), ...); }, P::fields());
-  refuse_unknown_keys(map, known, faults);
+template <class Fields>
+void append_names(const Fields& fields, std::vector<std::string>& names) {
+  std::apply([&](const auto&... f) { (names.emplace_back(f.name), ...); }, fields);
+}
+
+/// Reads those of the fields that are in the map; the others keep their defaults.
+template <class P, class Fields>
+void read_known_fields(const YAML::Node& map, P& out, const Fields& fields, YamlFaults& faults) {
   const auto read_one = [&](const auto& f) {
     const std::string key(f.name);
     if (const YAML::Node node = map[key]) read_value(node, out.*(f.member), f.range, key, faults);
   };
-  std::apply([&](const auto&... f) { (read_one(f), ...); }, P::fields());
+  std::apply([&](const auto&... f) { (read_one(f), ...); }, fields);
+}
+
+/// The same for every field of P; any other key is a fault.
+template <HasFields P>
+void read_fields(const YAML::Node& map, P& out, YamlFaults& faults) {
+  if (!map.IsMap()) return faults.add(map, "expected keys with values here");
+  std::vector<std::string> known;
+  append_names(P::fields(), known);
+  refuse_unknown_keys(map, known, faults);
+  read_known_fields(map, out, P::fields(), faults);
 }
 
 }  // namespace stillpoint::io

@@ -59,6 +59,8 @@ inline AttitudeMessage attitude_message(std::uint64_t k) {
   m.at_rest = k % 2 == 1;
   m.status = AttitudeStatus::kDegraded;
   m.heading_reference = HeadingReference::kTrue;
+  m.health.mag.state = Health::kFaulty;
+  m.health.acc.state = Health::kSuspect;
   return m;
 }
 
@@ -106,6 +108,14 @@ inline DiagnosticsMessage diagnostics_message() {
   m.samples = 2500;
   m.status = AttitudeStatus::kOk;
   m.message = "running";
+  m.source = "stream /dev/ttyUSB0";
+  m.missing = "what is learnt is not kept";
+  m.health.gyr = {Health::kFaulty, Fault::kStuck, 12'000'000'000, 3.5};
+  m.health.temp = {Health::kAbsent, Fault::kAbsent, 0, 0.0};
+  m.not_finite = 3;
+  m.datagrams_malformed = 4;
+  m.datagrams_off_host = 5;
+  m.datagrams_flooded = 6;
   m.last_refusal = "turning at 0.6 deg/s";
   m.latency_counts[40] = 90;
   m.latency_counts[400] = 10;
@@ -130,6 +140,8 @@ inline std::vector<std::uint64_t> bits(const AttitudeMessage& m) {
   out.push_back(m.at_rest ? 1 : 0);
   out.push_back(static_cast<std::uint64_t>(m.status));
   out.push_back(static_cast<std::uint64_t>(m.heading_reference));
+  for (const auto* sensor : {&m.health.acc, &m.health.gyr, &m.health.mag, &m.health.temp})
+    out.push_back(static_cast<std::uint64_t>(sensor->state));
   return out;
 }
 

@@ -63,6 +63,14 @@ TEST(DdsPeers, ALateSubscriberGetsTheLatestCalibrationAndDiagnosticsAtOnce) {
   EXPECT_EQ(calibrations[0].snapshot.acc.windows, expected.snapshot.acc.windows);
   EXPECT_EQ(diagnostics[0].latency_counts, test::diagnostics_message().latency_counts);
   EXPECT_EQ(diagnostics[0].latency_max_ns, test::diagnostics_message().latency_max_ns);
+  EXPECT_EQ(diagnostics[0].source, test::diagnostics_message().source);
+  EXPECT_EQ(diagnostics[0].missing, test::diagnostics_message().missing);
+  EXPECT_EQ(diagnostics[0].health.gyr.fault, Fault::kStuck);
+  EXPECT_EQ(diagnostics[0].health.gyr.since_ns, 12'000'000'000);
+  EXPECT_EQ(diagnostics[0].health.gyr.evidence, 3.5);
+  EXPECT_EQ(diagnostics[0].health.temp.state, Health::kAbsent);
+  EXPECT_EQ(diagnostics[0].not_finite, 3U);
+  EXPECT_EQ(diagnostics[0].datagrams_flooded, 6U);
   EXPECT_EQ(diagnostics[0].last_refusal, "turning at 0.6 deg/s");
 }
 

@@ -33,29 +33,61 @@ AttitudeMessage attitude() {
   return m;
 }
 
+const std::string kFrame = "imu_link";
+
+ReadingCovariances covariances() {
+  ReadingCovariances c;
+  for (std::size_t i = 0; i < 9; ++i) {
+    c.acc_mps2_2[i] = 0.1 * static_cast<double>(i + 1);
+    c.gyr_radps_2[i] = 0.2 * static_cast<double>(i + 1);
+    c.mag_uT_2[i] = 0.3 * static_cast<double>(i + 1);
+  }
+  return c;
+}
+
 TEST(Ros2, ImuFollowsRep145) {
   sensor_msgs::msg::Imu imu;
-  io::to_ros2(attitude(), calibrated_sample(), 12'000'000'034, "imu_link", imu);
+  io::to_ros2(attitude(), calibrated_sample(), covariances(), {12'000'000'034, kFrame}, imu);
   EXPECT_EQ(imu.header().stamp().sec(), 12);
   EXPECT_EQ(imu.header().stamp().nanosec(), 34U);
   EXPECT_EQ(imu.orientation().w(), attitude().q_world_body_xyzw[3]);
   EXPECT_EQ(imu.linear_acceleration().z(), 9.8) << "specific force: +g upwards at rest";
-  EXPECT_EQ(imu.linear_acceleration_covariance()[0], 0.0) << "measured, error not known";
+  EXPECT_EQ(imu.linear_acceleration_covariance(), covariances().acc_mps2_2);
+  EXPECT_EQ(imu.angular_velocity_covariance(), covariances().gyr_radps_2);
   EXPECT_EQ(imu.orientation_covariance(), attitude().orientation_covariance_rad2);
 
   CalibratedSample without_acc = calibrated_sample();
   without_acc.has = kGyr;
   AttitudeMessage none = attitude();
   none.status = AttitudeStatus::kInitializing;
-  io::to_ros2(none, without_acc, 0, "imu_link", imu);
+  io::to_ros2(none, without_acc, {}, {0, kFrame}, imu);
   EXPECT_EQ(imu.linear_acceleration_covariance()[0], -1.0) << "absent";
   EXPECT_EQ(imu.orientation_covariance()[0], -1.0) << "no attitude yet";
-  EXPECT_EQ(imu.angular_velocity_covariance()[0], 0.0);
+  EXPECT_EQ(imu.angular_velocity_covariance()[0], 0.0) << "measured, error not known";
+}
+
+TEST(Ros2, TheRawImuHasNoOrientationAndTheReadingsAsTheyCame) {
+  sensor_msgs::msg::Imu imu;
+  const RawSample raw = test::raw_sample(3);
+  io::to_ros2_raw(raw, covariances(), {5, kFrame}, imu);
+  EXPECT_EQ(imu.orientation_covariance()[0], -1.0) << "absent";
+  EXPECT_EQ(imu.angular_velocity().x(), raw.gyr_radps[0]);
+  EXPECT_EQ(imu.linear_acceleration().y(), raw.acc_mps2[1]);
+  EXPECT_EQ(imu.angular_velocity_covariance(), covariances().gyr_radps_2);
+}
+
+TEST(Ros2, TheTemperatureIsInDegreesCelsius) {
+  sensor_msgs::msg::Temperature temperature;
+  io::to_ros2(21.5, {7, kFrame}, temperature);
+  EXPECT_EQ(temperature.temperature(), 21.5);
+  EXPECT_EQ(temperature.variance(), 0.0) << "not known";
+  EXPECT_EQ(temperature.header().frame_id(), kFrame);
 }
 
 TEST(Ros2, TheMagneticFieldIsInTesla) {
   sensor_msgs::msg::MagneticField field;
-  io::to_ros2(calibrated_sample(), 0, "imu_link", field);
+  io::to_ros2(calibrated_sample(), covariances(), {0, kFrame}, field);
+  EXPECT_DOUBLE_EQ(field.magnetic_field_covariance()[4], 1.5e-12);
   EXPECT_DOUBLE_EQ(field.magnetic_field().x(), 20e-6);
   EXPECT_DOUBLE_EQ(field.magnetic_field().z(), -43e-6);
 }
@@ -65,6 +97,12 @@ TEST(Ros2, DiagnosticsCarryALevelOfRep107) {
   DiagnosticsMessage message = test::diagnostics_message();
   io::to_ros2(message, 0, array);
   ASSERT_EQ(array.status().size(), 1U);
+  EXPECT_EQ(array.status()[0].level(), 2) << "a sensor is faulty";
+  message.health = {};
+  io::to_ros2(message, 0, array);
+  EXPECT_EQ(array.status()[0].level(), 1) << "something is missing";
+  message.missing.clear();
+  io::to_ros2(message, 0, array);
   EXPECT_EQ(array.status()[0].level(), 0);
   message.status = AttitudeStatus::kStale;
   io::to_ros2(message, 0, array);
@@ -91,7 +129,7 @@ TEST(Ros2, ASubscriberOfAnotherVendorReadsEveryFieldAndTheTypeHash) {
   std::atomic<bool> stop{false};
   std::thread writer([&] {
     while (!stop) {
-      (*publisher)->publish_imu(attitude(), calibrated_sample());
+      (*publisher)->publish_imu({attitude(), calibrated_sample(), test::raw_sample(0), covariances()});
       std::this_thread::sleep_for(std::chrono::milliseconds(5));
     }
   });
@@ -115,9 +153,9 @@ TEST(Ros2, ASubscriberOfAnotherVendorReadsEveryFieldAndTheTypeHash) {
   add(attitude().q_world_body_xyzw);
   add(attitude().orientation_covariance_rad2);
   add(attitude().rate_radps);
-  add(Array9{});
+  add(covariances().gyr_radps_2);
   add(calibrated_sample().acc_mps2);
-  add(Array9{});
+  add(covariances().acc_mps2_2);
   EXPECT_EQ(got, expected);
 }
 

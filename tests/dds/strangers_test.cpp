@@ -1,10 +1,8 @@
 /// What strangers in the domain do to a publisher: too much asked for, another type under its name, no goodbye, and
 /// datagrams that are no RTPS or damaged RTPS. It says what goes wrong, and goes on serving the others.
-#include <arpa/inet.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <stillpoint_idl/stillpointPubSubTypes.h>
-#include <sys/socket.h>
 
 #include <atomic>
 #include <random>
@@ -12,6 +10,7 @@
 #include "io/dds_entities.h"
 #include "io/dds_publisher.h"
 #include "io/dds_subscriber.h"
+#include "tests/dds/datagram.h"
 #include "tests/dds/dds_testing.h"
 #include "tests/dds/process.h"
 
@@ -22,6 +21,8 @@ namespace dds = io::dds;
 using io::Neighbours;
 using test::attitude_message;
 using test::eventually;
+using test::port;
+using test::Socket;
 using test::test_params;
 using Publisher = std::unique_ptr<io::DdsPublisher>;
 
@@ -102,44 +103,8 @@ TEST_F(Strangers, ASubscriberThatDiesWithoutGoodbyeIsForgottenWhenItsLeaseEnds) 
   EXPECT_TRUE(eventually([&] { return publisher_->attitude_subscribers() == 0; })) << "the lease is 5 s";
 }
 
-/// A UDP socket on loopback, bound to the port where it is given one.
-class Socket {
- public:
-  explicit Socket(int port = 0) : fd_(socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0)) {
-    const sockaddr_in own = address(port);
-    EXPECT_EQ(bind(fd_, reinterpret_cast<const sockaddr*>(&own), sizeof own), 0);
-  }
-  ~Socket() { close(fd_); }
-  Socket(const Socket&) = delete;
-  Socket& operator=(const Socket&) = delete;
-  void send(const std::string& data, int port) const {
-    const sockaddr_in to = address(port);
-    sendto(fd_, data.data(), data.size(), 0, reinterpret_cast<const sockaddr*>(&to), sizeof to);
-  }
-  [[nodiscard]] std::string receive() const {
-    std::string data(65536, '\0');
-    const ssize_t n = recv(fd_, data.data(), data.size(), 0);
-    data.resize(n > 0 ? static_cast<std::size_t>(n) : 0);
-    return data;
-  }
-
- private:
-  static sockaddr_in address(int port) {
-    sockaddr_in a{};
-    a.sin_family = AF_INET;
-    a.sin_port = htons(static_cast<std::uint16_t>(port));
-    a.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-    return a;
-  }
-  int fd_;
-};
-
-/// Ports of RTPS 9.6: of discovery for even k, of data for odd k, two for each participant of the domain.
-int port(int k) { return 7400 + 250 * test_params().domain + 10 + k; }
-
 TEST_F(Strangers, RandomBytesAndCutRtpsOnEveryPortDoNoHarm) {
-  // Where the ninth participant would listen for announcements.
-  const std::string announcement = Socket(port(16)).receive();
+  const std::string announcement = test::announcement();
   ASSERT_EQ(announcement.substr(0, 4), "RTPS");
   const Socket stranger;
   std::mt19937 random(3);
@@ -154,6 +119,65 @@ TEST_F(Strangers, RandomBytesAndCutRtpsOnEveryPortDoNoHarm) {
   }
   expect_served();
   EXPECT_EQ(publisher_->neighbours(), Neighbours{});
+}
+
+TEST_F(Strangers, TheDatagramThatAbortsFastDdsStopsAtTheGateAndSubscribersNoticeNothing) {
+  std::atomic<int> received{0};
+  const auto subscriber =
+      io::DdsSubscriber::create(test_params(), {.attitude = [&](const AttitudeMessage&, std::int64_t) { ++received; }});
+  ASSERT_TRUE(subscriber) << subscriber.error().message;
+  ASSERT_TRUE(eventually([&] { return publisher_->attitude_subscribers() == 1 && (*subscriber)->publishers() == 1; }));
+  const Socket stranger;
+  for (int n = 0; n < 50; ++n) {
+    for (int k = 0; k < 6; ++k) stranger.send(test::statistics_datagram(), port(k));
+    stranger.send(test::statistics_datagram(), test::group_port());
+    publisher_->publish(attitude_message(static_cast<std::uint64_t>(n)));
+    std::this_thread::sleep_for(std::chrono::milliseconds(2));
+  }
+  EXPECT_TRUE(eventually([&] { return received == 50; })) << received;
+  expect_served();
+}
+
+/// What Fast DDS reads of tokens makes room for as many properties as are claimed.
+TEST_F(Strangers, AnIdentityThatClaimsMoreThanItHoldsStopsAtTheGate) {
+  const std::string forged = test::with_boundless_token(test::announcement());
+  ASSERT_EQ(forged.substr(0, 4), "RTPS");
+  const std::uint64_t before = publisher_->refused_datagrams().malformed;
+  const Socket stranger;
+  for (int n = 0; n < 10; ++n)
+    for (int k = 0; k < 6; ++k) stranger.send(forged, port(k));
+  EXPECT_TRUE(eventually([&] { return publisher_->refused_datagrams().malformed >= before + 10; }));
+  expect_served();
+}
+
+/// Announcements of participants that do not exist, each another one, as fast as they go.
+TEST_F(Strangers, AFloodOfParticipantsFromOneProgramIsLeftOutsideAndTheOthersAreServed) {
+  std::string announcement = test::announcement();
+  ASSERT_EQ(announcement.substr(0, 4), "RTPS");
+  const std::string own_prefix = announcement.substr(8, 12);
+  std::atomic<int> received{0};
+  const auto subscriber =
+      io::DdsSubscriber::create(test_params(), {.attitude = [&](const AttitudeMessage&, std::int64_t) { ++received; }});
+  ASSERT_TRUE(subscriber) << subscriber.error().message;
+  ASSERT_TRUE(eventually([&] { return publisher_->attitude_subscribers() == 1 && (*subscriber)->publishers() == 1; }));
+  const Socket stranger;
+  for (int n = 0; n < 3000; ++n) {
+    std::string other = own_prefix;
+    other[8] = static_cast<char>(n % 256);
+    other[9] = static_cast<char>(n / 256);
+    other[10] = '\x77';
+    std::string forged = announcement;
+    for (std::size_t at = 0; (at = forged.find(own_prefix, at)) != std::string::npos; at += 12)
+      forged.replace(at, 12, other);
+    stranger.send(forged, port(0));
+    if (n % 10 == 0) publisher_->publish(attitude_message(static_cast<std::uint64_t>(n)));
+    if (n % 10 == 0) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
+  EXPECT_TRUE(eventually([&] { return received == 300; })) << received;
+  const io::RefusedDatagrams refused = publisher_->refused_datagrams();
+  EXPECT_EQ(refused.malformed + refused.off_host, 0U);
+  EXPECT_GT(refused.flooded, 1000U) << "most; a full socket may lose some before the gate";
+  expect_served();
 }
 
 }  // namespace

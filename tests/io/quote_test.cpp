@@ -10,6 +10,15 @@ TEST(Quote, TakesTheTerminalsControlCharactersOut) {
   EXPECT_EQ(quote("a\tb"), "'a?b'");
 }
 
+TEST(Quote, AMessageKeepsItsLinesAndItsLettersAndLosesWhatSteersATerminal) {
+  EXPECT_EQ(without_controls("f.zip:a\x1b[2J.csv: cut\nno column '\xc2\xb5T\t'\r\x7f"),
+            "f.zip:a?[2J.csv: cut\nno column '\xc2\xb5T?'??");
+  EXPECT_EQ(without_controls("\xc2\x9b"
+                             "2J\xc2"),
+            "?2J\xc2")
+      << "CSI as one character of UTF-8";
+}
+
 TEST(Quote, CutsWhatWouldFloodTheTerminal) {
   EXPECT_EQ(printable("four", 4), "four");
   EXPECT_EQ(printable("fives", 4), "five...");

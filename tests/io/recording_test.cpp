@@ -82,6 +82,39 @@ TEST(Recording, JoinsRowsOfOneTimeThatCompleteEachOther) {
   EXPECT_EQ(r->issues.repeated_time.first_line, 6U);
 }
 
+TEST(Recording, ASensorsGapsAreJudgedByItsOwnRate) {
+  // 200 Hz accelerometer, 50 Hz magnetometer, a reference at 7 Hz in rows of its own; one accelerometer reading missing
+  // twice in a row, one magnetometer reading.
+  std::string text = "time_ms,acc_x_mps2,acc_y_mps2,acc_z_mps2,mag_x_uT,mag_y_uT,mag_z_uT,ref_moving\n";
+  for (int ms = 0; ms <= 1000; ++ms) {
+    if (ms % 5 == 0 && ms != 405 && ms != 410) text += std::to_string(ms) + ",0,0,9.8,,,,\n";
+    if (ms % 20 == 1 && ms != 601 && ms != 621) text += std::to_string(ms) + ",,,,20,0,-40,\n";
+    if (ms % 143 == 3) text += std::to_string(ms) + ",,,,,,,1\n";
+  }
+  const auto r = parse_recording(text, "f.csv");
+  ASSERT_TRUE(r) << r.error().message;
+  EXPECT_EQ(r->issues.gap.count, 2U);
+  EXPECT_DOUBLE_EQ(r->issues.longest_gap_s, 0.06);
+  const auto times = sensor_times(*r);
+  ASSERT_EQ(times.size(), 2U);
+  EXPECT_STREQ(times[0].name, "acc");
+  EXPECT_EQ(times[0].readings, 199U);
+  EXPECT_DOUBLE_EQ(times[0].median_step_s, 0.005);
+  EXPECT_DOUBLE_EQ(times[0].longest_gap_s, 0.015);
+  EXPECT_DOUBLE_EQ(times[1].median_step_s, 0.02);
+  EXPECT_EQ(times[1].gaps, 1U);
+}
+
+TEST(Recording, KeepsUserColumnsByNameAndTakesTextThereForNotMeasured) {
+  const std::string text = "time_s,acc_x_mps2,acc_y_mps2,acc_z_mps2,rpm_hz,note,rpm_hz\n";
+  const auto r = parse_recording(text + "0,1,2,3,50,start,1\n1,1,2,3,,x,1\n1,,,,70,,1\n", "f.csv");
+  ASSERT_TRUE(r) << r.error().message;
+  ASSERT_EQ(r->size(), 2U);
+  EXPECT_THAT(r->user_columns.at("rpm_hz"), ::testing::ElementsAre(50.0, 70.0));
+  EXPECT_TRUE(std::isnan(r->user_columns.at("note")[0]));
+  EXPECT_THAT(r->issues.unknown_columns, ::testing::ElementsAre("rpm_hz", "note", "rpm_hz"));
+}
+
 TEST(Recording, NamesWhyAHeaderIsNotOne) {
   const auto why = [](std::string text) { return parse_recording(text + "\n0,1,2,3\n", "f.csv").error().message; };
   EXPECT_THAT(why("time_s;acc_x_mps2;acc_y_mps2;acc_z_mps2"), ::testing::HasSubstr("semicolons"));

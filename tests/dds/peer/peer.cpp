@@ -1,8 +1,10 @@
-/// The other process of the DDS tests: `dds_peer publish|subscribe DOMAIN TRANSPORT SECONDS [RATE_HZ]`. Ends by itself.
+/// The other process of the DDS tests: `dds_peer publish|subscribe DOMAIN TRANSPORT SECONDS [RATE_HZ]`. Ends by itself;
+/// a subscriber that is terminated says goodbye.
 #include <fmt/format.h>
 
 #include <atomic>
 #include <chrono>
+#include <csignal>
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
@@ -26,10 +28,13 @@ int publish(const io::DdsParams& params, double seconds, double rate_hz) {
   for (std::uint64_t k = 0; std::chrono::duration<double>(Clock::now() - start).count() < seconds; ++k) {
     (*publisher)->publish(test::attitude_message(k));
     (*publisher)->publish_raw(test::raw_sample(k), 0);
+    (*publisher)->publish_imu({test::attitude_message(k), {.has = kAcc | kGyr}, test::raw_sample(k), {}});
     std::this_thread::sleep_until(start + std::chrono::duration<double>(static_cast<double>(k + 1) / rate_hz));
   }
   return (*publisher)->wait_for_acknowledgements(2.0) ? 0 : 2;
 }
+
+volatile std::sig_atomic_t terminated = 0;
 
 /// Says "ready" once matched, then how many attitudes came, each tenth of a second.
 int subscribe(const io::DdsParams& params, double seconds) {
@@ -37,8 +42,9 @@ int subscribe(const io::DdsParams& params, double seconds) {
   const auto subscriber =
       io::DdsSubscriber::create(params, {.attitude = [&](const AttitudeMessage&, std::int64_t) { ++received; }});
   if (!subscriber) return std::fprintf(stderr, "%s\n", subscriber.error().message.c_str()), 1;
+  std::signal(SIGTERM, [](int) { terminated = 1; });
   const auto start = Clock::now();
-  while (std::chrono::duration<double>(Clock::now() - start).count() < seconds) {
+  while (terminated == 0 && std::chrono::duration<double>(Clock::now() - start).count() < seconds) {
     std::this_thread::sleep_for(std::chrono::milliseconds(100));
     if ((*subscriber)->publishers() > 0) fmt::print("{}\n", received.load());
     std::fflush(stdout);
