@@ -1,0 +1,193 @@
+#include "exchange/import.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "exchange/mcap.h"
+#include "exchange/read_table.h"
+#include "exchange/ulog.h"
+#include "exchange/unpack.h"
+
+namespace stillpoint::exchange {
+namespace {
+
+using Columns = std::vector<std::string>;
+
+SensorColumns sensor(Quantity q, Columns columns, std::string unit, std::string table = "") {
+  return {q, std::move(columns), std::move(unit), std::move(table)};
+}
+
+struct TablePreset {
+  std::string_view name, about;
+  ColumnMap map;
+};
+
+/// The programs whose tables are known. A preset serves where all the columns that it has for a table are in it.
+const std::vector<TablePreset>& table_presets() {
+  using enum Quantity;
+  static const std::vector<TablePreset> kAll{
+      {"euroc",
+       "EuRoC and TUM VI: imu0/data.csv",
+       {"#timestamp [ns]",
+        "ns",
+        {sensor(kAcc, {"a_RS_S_x [m s^-2]", "a_RS_S_y [m s^-2]", "a_RS_S_z [m s^-2]"}, "m/s^2"),
+         sensor(kGyr, {"w_RS_S_x [rad s^-1]", "w_RS_S_y [rad s^-1]", "w_RS_S_z [rad s^-1]"}, "rad/s")}}},
+      {"kalibr",
+       "Kalibr's bag creater and extractor, imu_utils: imu0.csv",
+       {"timestamp",
+        "ns",
+        {sensor(kAcc, {"alpha_x", "alpha_y", "alpha_z"}, "m/s^2"),
+         sensor(kGyr, {"omega_x", "omega_y", "omega_z"}, "rad/s")}}},
+      {"sensor_logger",
+       "Sensor Logger (iOS, Android): the exported zip or its folder",
+       {"time",
+        "ns",
+        {sensor(kAcc, {"x", "y", "z"}, "", "TotalAcceleration"), sensor(kGyr, {"x", "y", "z"}, "rad/s", "Gyroscope"),
+         sensor(kMag, {"x", "y", "z"}, "uT", "Magnetometer")}}},
+      {"phyphox",
+       "phyphox (iOS, Android): the exported zip, its folder or one table",
+       {"Time (s)",
+        "s",
+        {sensor(kAcc, {"X (m/s^2)", "Y (m/s^2)", "Z (m/s^2)"}, "", "Accelerometer"),
+         sensor(kGyr, {"X (rad/s)", "Y (rad/s)", "Z (rad/s)"}, "rad/s", "Gyroscope"),
+         sensor(kMag, {"X (\xC2\xB5T)", "Y (\xC2\xB5T)", "Z (\xC2\xB5T)"}, "uT", "Magnetometer")}}},
+      {"androsensor",
+       "AndroSensor (Android): its CSV",
+       {"Time since start in ms",
+        "ms",
+        {sensor(kAcc,
+                {"ACCELEROMETER X (m/s\xC2\xB2)", "ACCELEROMETER Y (m/s\xC2\xB2)", "ACCELEROMETER Z (m/s\xC2\xB2)"},
+                "m/s^2"),
+         sensor(kGyr, {"GYROSCOPE X (rad/s)", "GYROSCOPE Y (rad/s)", "GYROSCOPE Z (rad/s)"}, "rad/s"),
+         sensor(kMag, {"MAGNETIC FIELD X (\xCE\xBCT)", "MAGNETIC FIELD Y (\xCE\xBCT)", "MAGNETIC FIELD Z (\xCE\xBCT)"},
+                "uT")}}},
+  };
+  return kAll;
+}
+
+std::string leaf(const std::string& file) {
+  const auto at = file.find_last_of("/\\:");
+  return at == std::string::npos ? file : file.substr(at + 1);
+}
+
+/// What of the preset is in this table; without sensors: nothing. EuRoC's first name loses its comment sign.
+ColumnMap part_of(const TablePreset& preset, const Table& table) {
+  ColumnMap part = preset.map;
+  if (part.time.front() == '#' && table.find(part.time) == nullptr) part.time.erase(0, 1);
+  const bool timed = table.find(part.time) != nullptr;
+  std::erase_if(part.sensors, [&](const SensorColumns& s) {
+    const auto missing = [&](const std::string& c) { return table.find(c) == nullptr; };
+    return !timed || leaf(table.name).rfind(s.table, 0) != 0 ||
+           std::any_of(s.columns.begin(), s.columns.end(), missing);
+  });
+  return part;
+}
+
+bool is_table(const std::string& file) {
+  const std::string name = leaf(file);
+  const auto dot = name.rfind('.');
+  const std::string end = dot == std::string::npos ? "" : name.substr(dot);
+  return end != ".json" && end != ".jpg" && end != ".png" && end != ".mp4" && end != ".m4a";
+}
+
+/// One stream a quantity: of several the one whose table's name promises raw readings.
+void keep_one_each(std::vector<Stream>& streams, std::vector<std::string>& reasons) {
+  std::vector<Stream> kept;
+  for (Stream& s : streams) {
+    const auto same = std::find_if(kept.begin(), kept.end(), [&](const Stream& k) { return k.quantity == s.quantity; });
+    if (same == kept.end())
+      kept.push_back(std::move(s));
+    else
+      reasons.push_back(fmt::format("{} is left out: {} comes from {}", s.from, name(s.quantity), same->from));
+  }
+  streams = std::move(kept);
+}
+
+class Tables {
+ public:
+  Tables(const std::string& path, const ImportOptions& options) : path_(path), options_(options) {}
+
+  Result<Imported> read(const std::vector<NamedText>& files) {
+    for (const NamedText& file : files)
+      if (is_table(file.name)) read_one(file);
+    if (streams_.empty() && first_fault_) return tl::unexpected(*first_fault_);
+    keep_one_each(streams_, reasons_);
+    auto imported = merge(std::move(streams_), path_);
+    if (imported) imported->reasons.insert(imported->reasons.begin(), reasons_.begin(), reasons_.end());
+    return imported;
+  }
+
+ private:
+  /// In an archive a table that cannot be read, a log of GPS or a note, does no harm.
+  void read_one(const NamedText& file) {
+    const auto table = parse_table(file.text, file.name);
+    if (!table) return note(table.error());
+    const auto streams = read_streams(*table, map_for(*table), reasons_);
+    if (!streams) return note(streams.error());
+    streams_.insert(streams_.end(), streams->begin(), streams->end());
+  }
+
+  void note(const Error& error) {
+    if (!first_fault_)
+      first_fault_ = error;
+    else
+      reasons_.push_back("not used: " + error.message);
+  }
+
+  ColumnMap map_for(const Table& table) {
+    if (options_.map) return *options_.map;
+    for (const TablePreset& preset : table_presets()) {
+      if (!options_.preset.empty() && preset.name != options_.preset) continue;
+      ColumnMap part = part_of(preset, table);
+      if (part.sensors.empty() && options_.preset.empty()) continue;
+      if (!part.sensors.empty()) reasons_.push_back(fmt::format("{}: the columns of {}", table.name, preset.about));
+      return part;
+    }
+    return guess(table);
+  }
+
+  const std::string& path_;
+  const ImportOptions& options_;
+  std::vector<Stream> streams_;
+  std::vector<std::string> reasons_;
+  std::optional<Error> first_fault_;
+};
+
+}  // namespace
+
+const std::vector<Preset>& presets() {
+  static const std::vector<Preset> kAll = [] {
+    std::vector<Preset> all;
+    for (const TablePreset& p : table_presets()) all.push_back({p.name, p.about});
+    all.push_back({"px4", "PX4's flight log (.ulg)"});
+    all.push_back({"ros2", "ROS 2 bag in MCAP: sensor_msgs Imu, MagneticField, Temperature"});
+    return all;
+  }();
+  return kAll;
+}
+
+Result<Imported> import_recording(const std::string& path, const ImportOptions& options) {
+  const auto files = read_unpacked(path);
+  if (!files) return tl::unexpected(files.error());
+  if (files->empty()) return fail(ErrorKind::kNoInput, path + ": no file in it");
+  for (const NamedText& file : *files) {
+    const bool ulog = is_ulog(file.text), mcap = is_mcap(file.text);
+    if (options.map || (!ulog && !mcap)) continue;
+    std::vector<std::string> reasons;
+    auto streams =
+        ulog ? read_ulog(file.text, file.name, reasons) : read_mcap(file.text, file.name, options.topic, reasons);
+    if (!streams) return tl::unexpected(streams.error());
+    auto imported = merge(std::move(*streams), file.name);
+    if (imported) imported->reasons.insert(imported->reasons.begin(), reasons.begin(), reasons.end());
+    return imported;
+  }
+  if (files->front().text.rfind("SQLite format 3", 0) == 0)
+    return fail(ErrorKind::kBadData,
+                path + ": a ROS 2 bag in SQLite; convert it with `ros2 bag convert` to storage_id mcap");
+  if (files->front().text.rfind("#ROSBAG V2", 0) == 0)
+    return fail(ErrorKind::kBadData, path + ": a ROS 1 bag; convert it with `rosbags-convert` to a ROS 2 bag in MCAP");
+  return Tables(path, options).read(*files);
+}
+
+}  // namespace stillpoint::exchange

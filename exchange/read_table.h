@@ -1,0 +1,21 @@
+/// From the columns of foreign tables to streams in SI units: units that nobody states are told from the values.
+#pragma once
+#include <string>
+#include <vector>
+
+#include "exchange/column_map.h"
+#include "exchange/stream.h"
+#include "exchange/table.h"
+
+namespace stillpoint::exchange {
+
+/// The sensors of this map that are in this table. What was told from values is added to `reasons`. Fails (65) with the
+/// column and what to write into a map.
+[[nodiscard]] Result<std::vector<Stream>> read_streams(const Table& table, const ColumnMap& map,
+                                                       std::vector<std::string>& reasons);
+
+/// Of the gyroscope's unit against rad/s, from the turning of gravity in the accelerometer's frame: 1 for rad/s, 0.0175
+/// for deg/s, negative where axes or signs disagree. 0: the motion does not tell.
+[[nodiscard]] double gyr_factor_by_gravity(const Stream& acc, const Stream& gyr);
+
+}  // namespace stillpoint::exchange
