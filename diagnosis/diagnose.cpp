@@ -65,7 +65,9 @@ Answer diagnose(const io::Recording& given_recording, const sim::SimulationConfi
   const auto clean = without_false_values(given_recording, notices);
   const auto joined = with_field_on_rows(clean ? *clean : given_recording, notices);
   const io::Recording& recording = joined ? *joined : clean ? *clean : given_recording;
-  auto even = recording.ref_q_world_body.empty() ? std::nullopt : rows_with_reference(recording, notices);
+  RowsWithReference with_frames;
+  if (!recording.ref_q_world_body.empty()) with_frames = rows_with_reference(recording, notices);
+  auto& even = with_frames.changed;
   const Sanity sanity = check_input(even ? *even : recording, simulation);
   notices.insert(notices.end(), sanity.notices.begin(), sanity.notices.end());
   if (sanity.nothing_usable)
@@ -84,7 +86,8 @@ Answer diagnose(const io::Recording& given_recording, const sim::SimulationConfi
     const io::Recording& rows = even ? *even : recording;
     const Forensics forensics = examine_raw_values(rows, simulation);
     notices.insert(notices.end(), forensics.notices.begin(), forensics.notices.end());
-    answer = diagnose_with_reference(rows, simulation, forensics, without, twins, progress, std::move(answer));
+    answer = diagnose_with_reference({rows, with_frames.rows_a_frame}, simulation, forensics, without, twins, progress,
+                                     std::move(answer));
   }
   tell_what_was_set_aside(sanity, given, answer.diagnosis);
   return answer;

@@ -1,7 +1,9 @@
 /// The whole diagnosis of one recording against one simulation: input checks, forensics on raw values, the search for
 /// missing physics, and the answer of result.h.
 #pragma once
+#include <array>
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -15,6 +17,8 @@ struct Answer {
   Diagnosis diagnosis;
   std::vector<sim::EffectConfig>
       effects;  ///< the findings as entries for the simulation; findings without a law have none
+  std::array<std::optional<sim::TriadConfig>, 3> numbers;  ///< of sensors whose bias or matrix is wrong: the right ones
+  std::vector<std::string> surplus;                        ///< effects of the simulation to take out
 };
 
 /// Never fails: what cannot be judged is the verdict insufficient_data, with the reason among the notices.

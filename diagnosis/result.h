@@ -9,7 +9,15 @@
 
 namespace stillpoint::diag {
 
-enum class Verdict { kNoMismatch, kExplained, kPartlyExplained, kUnexplained, kInsufficientData };
+enum class Verdict {
+  kNoMismatch,
+  kWrongNumbers,    ///< of the simulation (bias, matrix, noise, field); no physics is missing
+  kSurplusPhysics,  ///< the simulation has physics that the sensor has not
+  kExplained,
+  kPartlyExplained,
+  kUnexplained,
+  kInsufficientData
+};
 
 struct Parameter {
   std::string name;
@@ -23,7 +31,15 @@ struct HeldOut {
   std::string unit;
   double gain_nats = 0.0;                ///< whitened log-likelihood gain on data not used for the fit
   double removable_share_removed = 0.0;  ///< 1: all of the error that is not noise is gone
+  std::array<double, 2> share_ci95{};    ///< of it, from block to block
+  std::string on;                        ///< what was held out; empty: nothing was
   int blocks_better = 0, blocks = 0;
+};
+
+/// The residual of a finding's channel against one quantity.
+struct AgainstQuantity {
+  std::string label;
+  std::vector<double> x, before, after;
 };
 
 /// Curves of one finding, thinned for plotting.
@@ -34,9 +50,17 @@ struct FindingFigures {
   std::vector<double> frequency_hz, psd_before, psd_after, psd_noise;
   std::vector<double> driver, residual_at_driver, law_at_driver;
   std::string driver_label;
+  std::vector<AgainstQuantity> against_each;  ///< of a discovered law: what it is made of, then what else is recorded
   std::vector<double> autocorrelation_before, autocorrelation_after;  ///< lags 0.. of the whitened residual
   double autocorrelation_band = 0.0;                                  ///< 95 % band of white noise
   std::string channel, unit;
+};
+
+/// A law that was looked at when a discovered one was chosen.
+struct WeighedLaw {
+  std::string text;
+  double bits = 0.0;                       ///< length of the text
+  double gain_nats = 0.0, net_nats = 0.0;  ///< net: less what length and coefficients cost
 };
 
 struct Finding {
@@ -49,16 +73,18 @@ struct Finding {
   std::string driver;
   std::vector<Parameter> parameters;
   HeldOut held_out;
-  double p_value = 1.0;
+  std::optional<double> p_value;  ///< corrected for all that was looked at; absent: not computed
   std::string runner_up_effect, runner_up_why_rejected;
   std::string decided_by;
-  double confidence = 0.0;
+  std::optional<double> confidence;  ///< share of answers with such evidence that are true; absent: not computed
+  std::vector<WeighedLaw> weighed;   ///< of a discovered law, best first, itself among them
   FindingFigures figures;
 };
 
 struct ConfigurationFault {
   std::string sensor;  ///< acc, gyr, mag
   std::string what;
+  std::vector<Parameter> values{};  ///< what the numbers of the simulation should be
 };
 
 struct NoiseFault {
@@ -74,6 +100,22 @@ struct ChannelResidual {
   std::string unit;
 };
 
+/// What the simulation has and the recording has not, or has less of.
+struct Surplus {
+  std::string effect;
+  double in_simulation = 0.0, in_recording = 0.0;  ///< share of its configured size
+  std::array<double, 2> ci95{};                    ///< of in_recording
+};
+
+/// How the improved simulation does on a recording that it was not made from.
+struct Validation {
+  std::string file, sensor;
+  double share = 0.0;  ///< of the removable residual power that is gone; not finite: nothing there to remove
+  std::array<double, 2> ci95{};
+  double rms_before = 0.0, rms_after = 0.0;
+  std::string unit;
+};
+
 struct RankedHypothesis {
   std::string effect;
   double gain_nats = 0.0;
@@ -85,6 +127,8 @@ struct Diagnosis {
   std::vector<Finding> findings;
   std::vector<ConfigurationFault> configuration;
   std::vector<NoiseFault> noise;
+  std::vector<Surplus> surplus;
+  std::vector<Validation> validation;
   std::vector<ChannelResidual> residual;
   std::vector<RankedHypothesis> ranking;
   double abstention_nats = 0.0;                ///< below this gain no name is stated

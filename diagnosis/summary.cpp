@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
+#include "diagnosis/discovery/law_words.h"
 #include "simulation/effect_catalogue.h"
 
 namespace stillpoint::diag {
@@ -24,34 +25,52 @@ bool is_unknown(const Finding& f) { return f.effect.rfind("unknown", 0) == 0; }
 /// JSON has no infinity or NaN.
 json number(double x) { return std::isfinite(x) ? json(x) : json(nullptr); }
 
+json share_json(double share, const std::array<double, 2>& ci95) {
+  return {{"share", number(share)}, {"ci95", {number(ci95[0]), number(ci95[1])}}};
+}
+
+json parameter_json(const Parameter& p) {
+  return {
+      {"name", p.name}, {"value", number(p.value)}, {"ci95", {number(p.ci95[0]), number(p.ci95[1])}}, {"unit", p.unit}};
+}
+
 json finding_json(const Finding& f) {
   json parameters = json::array();
-  for (const auto& p : f.parameters)
-    parameters.push_back({{"name", p.name},
-                          {"value", number(p.value)},
-                          {"ci95", {number(p.ci95[0]), number(p.ci95[1])}},
-                          {"unit", p.unit}});
-  return {{"effect", f.effect},
-          {"equivalent", f.equivalent},
-          {"channels", f.channels},
-          {"interval_s", f.interval_s},
-          {"regime", f.regime},
-          {"equation", f.equation},
-          {"driver", f.driver},
-          {"parameters", parameters},
-          {"held_out",
-           {{"rms_before", number(f.held_out.rms_before)},
-            {"rms_after", number(f.held_out.rms_after)},
-            {"noise_floor", number(f.held_out.noise_floor)},
-            {"unit", f.held_out.unit},
-            {"gain_nats", number(f.held_out.gain_nats)},
-            {"removable_share_removed", number(f.held_out.removable_share_removed)},
-            {"blocks_better", f.held_out.blocks_better},
-            {"blocks", f.held_out.blocks}}},
-          {"p_value", number(f.p_value)},
-          {"confidence", number(f.confidence)},
-          {"runner_up", {{"effect", f.runner_up_effect}, {"why_rejected", f.runner_up_why_rejected}}},
-          {"decided_by", f.decided_by}};
+  for (const auto& p : f.parameters) parameters.push_back(parameter_json(p));
+  json out{{"effect", f.effect},
+           {"equivalent", f.equivalent},
+           {"channels", f.channels},
+           {"interval_s", f.interval_s},
+           {"regime", f.regime},
+           {"equation", f.equation},
+           {"driver", f.driver},
+           {"parameters", parameters},
+           {"held_out",
+            {{"rms_before", number(f.held_out.rms_before)},
+             {"rms_after", number(f.held_out.rms_after)},
+             {"noise_floor", number(f.held_out.noise_floor)},
+             {"unit", f.held_out.unit},
+             {"gain_nats", number(f.held_out.gain_nats)},
+             {"removable_share_removed", number(f.held_out.removable_share_removed)},
+             {"blocks_better", f.held_out.blocks_better},
+             {"blocks", f.held_out.blocks}}},
+           {"runner_up", {{"effect", f.runner_up_effect}, {"why_rejected", f.runner_up_why_rejected}}},
+           {"decided_by", f.decided_by}};
+  if (const auto law = law_json(f)) out["law"] = *law;
+  if (f.p_value) out["p_value"] = number(*f.p_value);
+  if (f.confidence) out["confidence"] = number(*f.confidence);
+  if (f.held_out.on.empty()) return out;
+  out["removed_held_out"] = share_json(f.held_out.removable_share_removed, f.held_out.share_ci95);
+  out["removed_held_out"]["on"] = f.held_out.on;
+  return out;
+}
+
+/// What the findings of one sensor or of the whole simulation remove elsewhere; "gyr: 0.98 (0.97 to 0.99)".
+std::string validation_text(const Validation& v) {
+  if (!std::isfinite(v.share))
+    return fmt::format("{}: nothing there to remove, the motion does not excite it\n", v.sensor);
+  return fmt::format("{}: {:.3g} of the removable residual is gone ({:.3g} to {:.3g}); rms {:.4g} -> {:.4g} {}\n",
+                     v.sensor, v.share, v.ci95[0], v.ci95[1], v.rms_before, v.rms_after, v.unit);
 }
 
 std::string finding_text(const Finding& f) {
@@ -60,14 +79,18 @@ std::string finding_text(const Finding& f) {
                   f.regime, f.interval_s[0], f.interval_s[1], f.equation, f.effect);
   for (const auto& p : f.parameters)
     out += fmt::format("         {} = {:+.4g} +- {:.2g} {}\n", p.name, p.value, 0.5 * (p.ci95[1] - p.ci95[0]), p.unit);
+  const std::string p =
+      f.p_value ? fmt::format(", p = {:.2g} after correcting for all hypotheses", *f.p_value) : std::string();
   if (f.held_out.blocks == 0)
-    out += fmt::format("EVIDENCE shows without a fit, in the readings or their means; p = {:.2g}\n", f.p_value);
+    out += fmt::format("EVIDENCE shows without a fit, in the readings or their means{}\n", p);
   else
-    out += fmt::format(
-        "EVIDENCE held-out gain {:.0f} nats ({} of {} blocks better), p = {:.2g} after correcting for all hypotheses; "
-        "rms {:.4g} -> {:.4g} {}\n",
-        f.held_out.gain_nats, f.held_out.blocks_better, f.held_out.blocks, f.p_value, f.held_out.rms_before,
-        f.held_out.rms_after, f.held_out.unit);
+    out += fmt::format("EVIDENCE held-out gain {:.0f} nats ({} of {} blocks better){}; rms {:.4g} -> {:.4g} {}\n",
+                       f.held_out.gain_nats, f.held_out.blocks_better, f.held_out.blocks, p, f.held_out.rms_before,
+                       f.held_out.rms_after, f.held_out.unit);
+  if (!f.held_out.on.empty())
+    out += fmt::format("REMOVES  {:.3g} ({:.3g} to {:.3g}) of the removable residual on {} left out of the fit\n",
+                       f.held_out.removable_share_removed, f.held_out.share_ci95[0], f.held_out.share_ci95[1],
+                       f.held_out.on);
   if (!f.runner_up_effect.empty())
     out += fmt::format("RUNNER-UP {}: {}\n", f.runner_up_effect, f.runner_up_why_rejected);
   if (!f.equivalent.empty()) out += fmt::format("NOT EXCLUDED {}\n", fmt::join(f.equivalent, ", "));
@@ -104,6 +127,10 @@ const char* verdict_word(Verdict verdict) {
   switch (verdict) {
     case Verdict::kNoMismatch:
       return "no_mismatch";
+    case Verdict::kWrongNumbers:
+      return "wrong_numbers";
+    case Verdict::kSurplusPhysics:
+      return "surplus_physics";
     case Verdict::kExplained:
       return "explained";
     case Verdict::kPartlyExplained:
@@ -118,6 +145,8 @@ const char* verdict_word(Verdict verdict) {
 
 std::string summarise(const Diagnosis& d) {
   const std::string noise = noise_told(d);
+  if (d.findings.empty() && !d.surplus.empty())
+    return fmt::format("The simulation has physics that the recording has not: {}.", d.surplus.front().effect) + noise;
   if (d.findings.empty() && d.configuration.empty())
     return noise.empty() ? "No mismatch. The simulation explains the recording within its noise."
                          : "No missing physics." + noise;
@@ -139,6 +168,10 @@ std::string to_text(const Diagnosis& d) {
   for (const Finding& f : d.findings) out += "\n" + finding_text(f);
   out += "\n";
   for (const auto& c : d.configuration) out += fmt::format("BASELINE {}: {}\n", c.sensor, c.what);
+  for (const auto& x : d.surplus)
+    out += fmt::format("SURPLUS  {}: {:.3g} of its configured size is in the recording ({:.3g} to {:.3g})\n", x.effect,
+                       x.in_recording, x.ci95[0], x.ci95[1]);
+  for (const auto& v : d.validation) out += fmt::format("VALIDATE {} {}", v.file, validation_text(v));
   for (const auto& n : d.noise)
     out += fmt::format("NOISE    {}: configured {:.3g}, measured {:.3g}\n", n.channel, n.configured, n.measured);
   for (const auto& r : d.residual)
@@ -153,7 +186,26 @@ std::string to_json(const Diagnosis& d) {
   out["findings"] = json::array();
   for (const auto& f : d.findings) out["findings"].push_back(finding_json(f));
   out["configuration"] = json::array();
-  for (const auto& c : d.configuration) out["configuration"].push_back({{"sensor", c.sensor}, {"what", c.what}});
+  for (const auto& c : d.configuration) {
+    json values = json::array();
+    for (const auto& p : c.values) values.push_back(parameter_json(p));
+    out["configuration"].push_back({{"sensor", c.sensor}, {"what", c.what}, {"values", values}});
+  }
+  out["surplus"] = json::array();
+  for (const auto& x : d.surplus)
+    out["surplus"].push_back({{"effect", x.effect},
+                              {"in_simulation", number(x.in_simulation)},
+                              {"in_recording", number(x.in_recording)},
+                              {"ci95", {number(x.ci95[0]), number(x.ci95[1])}}});
+  out["validation"] = json::array();
+  for (const auto& v : d.validation) {
+    out["validation"].push_back(share_json(v.share, v.ci95));
+    out["validation"].back().update({{"file", v.file},
+                                     {"sensor", v.sensor},
+                                     {"rms_before", number(v.rms_before)},
+                                     {"rms_after", number(v.rms_after)},
+                                     {"unit", v.unit}});
+  }
   out["noise"] = json::array();
   for (const auto& n : d.noise)
     out["noise"].push_back({{"channel", n.channel}, {"configured", n.configured}, {"measured", n.measured}});

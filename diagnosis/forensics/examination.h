@@ -36,8 +36,6 @@ class Examination {
     f.effect = id;
     f.channels = std::move(channels);
     f.interval_s = {t(first), t(last)};
-    f.p_value = 1e-12;  // exact values: chance would have to repeat them to the last decimal
-    f.confidence = 0.999;
     return f;
   }
   /// A lattice that is there in one part of the recording only; all other faults show where the motion shows them.
@@ -64,6 +62,9 @@ class Examination {
   void examine_peaks(Sensor s);
   void examine_dead_zone();
   void examine_lattice(Sensor s);
+  void examine_random_repeats(Sensor s);
+  void examine_bit_flips(Sensor s);
+  void examine_codes(Sensor s);
 
   const io::Recording& recording_;
   const sim::SimulationConfig& simulation_;

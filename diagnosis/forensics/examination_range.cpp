@@ -1,12 +1,17 @@
 /// Rails, clipped peaks and dead zones as findings.
 #include <fmt/format.h>
 
+#include <array>
 #include <cmath>
 
 #include "diagnosis/forensics/examination.h"
 
 namespace stillpoint::diag::detail {
 namespace {
+
+/// Half of the smallest range that parts are sold with (1 g, 31 degrees a second, 60 uT): a lattice near the noise
+/// piles readings up at its few values too, at rest.
+constexpr std::array<double, 3> kLeastRange{4.9, 0.27, 30.0};
 
 std::vector<double> scaled(std::vector<double> values, double unit) {
   for (double& v : values) v *= unit;
@@ -24,7 +29,7 @@ void Examination::examine_rails(Sensor s) {
     const Axis& a = axes_[s][static_cast<std::size_t>(i)];
     for (const double sign : {1.0, -1.0}) {
       const auto rail = find_rail(a, sign);
-      if (!rail) continue;
+      if (!rail || std::abs(rail->level) < kLeastRange[static_cast<std::size_t>(s)]) continue;
       for (const std::size_t r : rail->rows) mute(s, r);
       spoiled += rail->rows.size();
       first = std::min(first, rail->rows.front()), last = std::max(last, rail->rows.back());
@@ -77,7 +82,6 @@ void Examination::examine_peaks(Sensor s) {
       "although "
       "nothing piles up at one number: a calibration after the rail pulls them apart",
       peaks->rows.size(), 100.0 * (peaks->high - peaks->low) / peaks->level);
-  f.p_value = 1e-3, f.confidence = 0.95;
   f.decided_by = "the readings before the factory calibration, or a larger range setting";
   state(std::move(f), peaks->rows.size());
 }

@@ -30,6 +30,9 @@ Forensics Examination::run() {
     if (!out_.sensor[s].saturated) examine_peaks(s);
     if (s == kGyr) examine_dead_zone();
     examine_lattice(s);
+    if (!out_.sensor[s].held) examine_random_repeats(s);
+    examine_bit_flips(s);
+    examine_codes(s);
   }
   std::stable_sort(order_.begin(), order_.end(), [](const auto& a, const auto& b) { return a.first > b.first; });
   for (auto& [spoiled, finding] : order_) out_.findings.push_back(std::move(finding));

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "diagnosis/certainty.h"
+
 namespace stillpoint::diag::detail {
 namespace {
 
@@ -118,8 +120,8 @@ Finding describe(const SelfConsistency& model, const Candidate& c, const std::ve
   const auto held_out = model.held_out(columns, c.applied);
   f.held_out.gain_nats = held_out.nats, f.held_out.blocks_better = held_out.blocks_better,
   f.held_out.blocks = held_out.blocks;
-  f.p_value = std::exp(-std::max(c.score, 0.0));
-  f.confidence = 1.0 / (1.0 + std::exp(-(c.score - kAbstain_nats) - 3.0));
+  f.p_value = chance_of(c.score);
+  f.confidence = confidence_of(c.score);
   fill_figures(model, c, columns, f);
   return f;
 }
@@ -141,8 +143,7 @@ Finding describe_drift(const SelfConsistency& model, Sensor sensor, double score
                      ? "record temp_degC"
                      : "a reference orientation, and rests in the same attitude at different times";
   f.held_out.unit = kSensorUnit[sensor];
-  f.p_value = std::exp(-std::max(score, 0.0));
-  f.confidence = 0.9;
+  f.p_value = chance_of(score);
   return f;
 }
 
@@ -160,8 +161,7 @@ Finding describe_unknown(const SelfConsistency& model, Sensor sensor, const Cand
   f.runner_up_why_rejected = "removes less than half of what is not noise";
   f.decided_by = "a reference orientation and position: the field may differ from place to place";
   f.held_out.unit = kSensorUnit[sensor];
-  f.p_value = std::exp(-std::max(closest.score, 0.0));
-  f.confidence = 0.9;
+  f.p_value = chance_of(closest.score);
   return f;
 }
 

@@ -23,11 +23,12 @@ using detail::WitnessedLaw;
 
 constexpr std::size_t kLeastRests = 3;
 constexpr int kMostFindings = 3;
-constexpr double kCoarseOverNoise = 2.0;  // below, the noise carries the readings over the steps: rounding is white
-constexpr double kLeastOfFirst = 0.02;    // smaller gains are the second order of the first finding
-constexpr double kDriftOverLaw = 1.15;    // a free offset per rest must beat a law by this to take its place
-constexpr double kLeastShare = 0.5;       // a law that removes less of what is not noise is not the cause
-constexpr double kDispersion = 1.5;       // mean square of whitened residuals above which something is left unexplained
+constexpr double kCoarseOverNoise =
+    3.0;  // noise dithers a finer lattice: its bias stays below a tenth of the noise (Widrow 1996)
+constexpr double kLeastOfFirst = 0.02;  // smaller gains are the second order of the first finding
+constexpr double kDriftOverLaw = 1.15;  // a free offset per rest must beat a law by this to take its place
+constexpr double kLeastShare = 0.5;     // a law that removes less of what is not noise is not the cause
+constexpr double kDispersion = 1.5;     // mean square of whitened residuals above which something is left unexplained
 constexpr std::size_t kMostTried = 6;
 constexpr double kForceMisfit = 1.6;  // whitened rms of the accelerometer's rests above this is more than noise
 

@@ -8,6 +8,7 @@
 #include <cmath>
 #include <optional>
 
+#include "diagnosis/certainty.h"
 #include "diagnosis/forensics/forensics.h"
 
 namespace stillpoint::diag::detail {
@@ -164,13 +165,15 @@ Finding describe(const Still& s, Sensor sensor, const StillLaw& law, const Judge
   }
   if (f.channels.empty()) f.channels.push_back(fmt::format("{}_{}", kSensorName[sensor], "xyz"[k]));
   if (law.tau_s > 0) f.parameters.push_back({"tau", law.tau_s, {0.5 * law.tau_s, 2.0 * law.tau_s}, "s"});
-  f.held_out = {j.before[k], j.after[k], std::min(s.cell_sd, j.after[k]), kSensorUnit[sensor],
-                j.held_out,  0.0,        j.held_out > 0 ? 2 : 0,          2};
+  f.held_out.rms_before = j.before[k], f.held_out.rms_after = j.after[k];
+  f.held_out.noise_floor = std::min(s.cell_sd, j.after[k]);
+  f.held_out.unit = kSensorUnit[sensor];
+  f.held_out.gain_nats = j.held_out;
+  f.held_out.blocks = 2, f.held_out.blocks_better = j.held_out > 0 ? 2 : 0;
   const double removable = j.before[k] * j.before[k] - f.held_out.noise_floor * f.held_out.noise_floor;
   f.held_out.removable_share_removed =
       removable > 0 ? (j.before[k] * j.before[k] - j.after[k] * j.after[k]) / removable : 0.0;
-  f.p_value = std::exp(-std::max(score, 0.0));
-  f.confidence = 0.95;
+  f.p_value = chance_of(score);
   f.decided_by =
       "several attitudes at each temperature: one attitude cannot tell an offset from a scale that follows temperature";
   if (sensor == kAcc) f.equivalent = {"acc_temp_scale"};
@@ -235,7 +238,6 @@ Finding describe_drift(const Still& s, Sensor sensor) {
   f.regime = s.temp.size() ? "slow; temperature does not explain it"
                            : "slow; could be thermal: temperature is not in the recording";
   f.decided_by = s.temp.size() ? "record supply_V and current_A" : "record temp_degC";
-  f.p_value = 1e-9, f.confidence = 0.9;
   f.held_out.unit = kSensorUnit[sensor];
   return f;
 }

@@ -189,6 +189,16 @@ void draw_nuisance(Draw& draw, const std::string& kind, std::size_t slot, sim::S
   }
 }
 
+/// Noise of parts as they are sold; the simulation does not know of it.
+void make_real(Draw& draw, sim::SimulationConfig& baseline, sim::SimulationConfig& config, CaseTruth& truth) {
+  baseline.rate_hz = config.rate_hz = draw.one_of(std::vector<double>{50.0, 100.0, 200.0});
+  const double flicker = draw.one_of(std::vector<double>{0.0, 0.1, 0.25});  // over the deviation of one sample
+  truth.noise = fmt::format("flicker {:g}", flicker);
+  for (auto* triad : {&config.accelerometer, &config.gyroscope, &config.magnetometer})
+    (*triad)->bias_instability = flicker * (*triad)->noise_sd;
+  for (const char* sensor : {"acc", "gyr", "mag"}) truth.allowed.push_back(fmt::format("{}_instability", sensor));
+}
+
 /// The effects as they will be scored, and the least d' among them.
 void write_truth(const sim::SimulationConfig& config, const std::shared_ptr<const sim::Motion>& motion,
                  std::uint64_t seed, CaseTruth& truth) {
@@ -204,7 +214,7 @@ void write_truth(const sim::SimulationConfig& config, const std::shared_ptr<cons
   }
 }
 
-SealedCase draw_as(const std::string& kind, const std::string& salt, std::size_t index, bool quick) {
+SealedCase draw_as(const std::string& kind, const std::string& salt, std::size_t index, bool quick, Parts parts) {
   Draw draw(salt, index);
   SealedCase c;
   c.id = fmt::format("{:04}", index);
@@ -213,13 +223,14 @@ SealedCase draw_as(const std::string& kind, const std::string& salt, std::size_t
   c.truth.reference = kind == "noref" ? "none" : draw.bits() % 2 == 0 ? "exact" : "mocap";
   sim::SimulationConfig config = c.baseline = draw_baseline(draw, kind, c.truth.reference, duration_s);
   const std::uint64_t seed = draw.bits();
+  if (parts == Parts::kReal) make_real(draw, c.baseline, config, c.truth);
   const std::shared_ptr<const sim::Motion> motion = sim::make_motion(*config.motion, seed);
   for (int drawn = 0; drawn < kMostDraws; ++drawn) {
     draw_effects(draw, kind, duration_s, motion, seed, config, c.truth);
     if (all_can_be_seen(config, motion, seed, range_of(kind)[0])) break;
   }
   if (kind == "deleted") c.without = {config.effects[0].id};
-  draw_nuisance(draw, kind, index % kSlots, config, c.truth);
+  if (parts == Parts::kIdeal) draw_nuisance(draw, kind, index % kSlots, config, c.truth);
   write_truth(config, motion, seed, c.truth);
   c.recording = io::to_recording(sim::simulate(config, motion, seed));
   if (kind == "novel") add_novel(draw, c.recording, config, c.truth);
@@ -232,16 +243,16 @@ SealedCase draw_as(const std::string& kind, const std::string& salt, std::size_t
 
 }  // namespace
 
-SealedCase draw_case(const std::string& salt, std::size_t index, bool quick) {
-  return draw_as(kind_of(index), salt, index, quick);
+SealedCase draw_case(const std::string& salt, std::size_t index, bool quick, Parts parts) {
+  return draw_as(kind_of(index), salt, index, quick, parts);
 }
 
-SealedCase draw_case_of(const std::string& kind, const std::string& salt, std::size_t index, bool quick) {
-  return draw_as(kind, salt + "/" + kind, index, quick);
+SealedCase draw_case_of(const std::string& kind, const std::string& salt, std::size_t index, bool quick, Parts parts) {
+  return draw_as(kind, salt + "/" + kind, index, quick, parts);
 }
 
-SealedCase draw_limit_case(const std::string& salt, std::size_t index, bool quick) {
-  return draw_as("limit", salt + "/limits", index, quick);
+SealedCase draw_limit_case(const std::string& salt, std::size_t index, bool quick, Parts parts) {
+  return draw_as("limit", salt + "/limits", index, quick, parts);
 }
 
 }  // namespace stillpoint::diag

@@ -40,6 +40,7 @@ bool family(const std::string& a, const std::string& b) {
 struct Stated {
   std::string effect;
   std::vector<std::string> names;  ///< with at most two equivalents
+  Json finding;
 };
 
 /// Where the driver is not in the recording, or an estimator absorbed it, a random walk is an honest word for "slow".
@@ -47,8 +48,9 @@ std::vector<Stated> stated(const Json& answer, const CaseTruth& truth) {
   std::vector<Stated> all;
   const bool hidden = truth.kind == "notemp" || truth.kind == "noaux" || truth.kind == "absorb";
   for (const auto& f : answer.value("findings", Json::array())) {
-    Stated s{f.value("effect", ""), {}};
+    Stated s{f.value("effect", ""), {}, f};
     if (hidden && s.effect.ends_with("_drift") && !truth.effects.contains(s.effect)) s.effect = "unknown:" + s.effect;
+    if (holds(truth.allowed, s.effect) && !truth.effects.contains(s.effect)) continue;
     s.names.push_back(s.effect);
     const auto equivalent = f.value("equivalent", std::vector<std::string>{});
     for (std::size_t i = 0; i < std::min<std::size_t>(2, equivalent.size()); ++i) s.names.push_back(equivalent[i]);
@@ -108,6 +110,7 @@ void act_on_axes(std::map<std::string, std::vector<double>>& parameters, const s
 Json to_json(const CaseTruth& t) {
   Json j{
       {"kind", t.kind}, {"reference", t.reference}, {"noise", t.noise}, {"effects", t.effects}, {"d_prime", t.d_prime}};
+  if (!t.allowed.empty()) j["allowed"] = t.allowed;
   j["window"] = t.window_s ? Json(*t.window_s) : Json(nullptr);
   return j;
 }
@@ -132,6 +135,9 @@ Result<CaseTruth> parse_truth(const std::string& text, const std::string& name) 
   if (j.contains("axes") && j["axes"].is_object())
     for (const auto& [id, axis] : j["axes"].items())
       if (t.effects.contains(id) && axis.is_number_integer()) act_on_axes(t.effects[id], {axis.get<int>()});
+  if (j.contains("allowed") && j["allowed"].is_array())
+    for (const auto& id : j["allowed"])
+      if (id.is_string()) t.allowed.push_back(id.get<std::string>());
   if (j.contains("window") && j["window"].is_array() && j["window"].size() == 2 && j["window"][0].is_number() &&
       j["window"][1].is_number())
     t.window_s = {j["window"][0].get<double>(), j["window"][1].get<double>()};
@@ -157,18 +163,18 @@ CaseScore score_case(const std::string& id, const CaseTruth& truth, const Json& 
   score.both = truth.effects.size() >= 2 && std::all_of(truth.effects.begin(), truth.effects.end(), [&](const auto& t) {
                  return std::any_of(said.begin(), said.end(), [&](const Stated& s) { return holds(s.names, t.first); });
                });
-  const auto findings = answer.value("findings", Json::array());
-  for (std::size_t i = 0; i < said.size(); ++i) {
-    const auto at = truth.effects.find(said[i].effect);
+  for (const Stated& s : said) {
+    const auto at = truth.effects.find(s.effect);
     if (at == truth.effects.end()) continue;
-    score_intervals(findings[i], at->second, score.coverage[at->first]);
-    const auto& h = findings[i].value("held_out", Json::object());
+    const Json& finding = s.finding;
+    score_intervals(finding, at->second, score.coverage[at->first]);
+    const Json h = finding.value("held_out", Json::object());
     const double before = h.value("rms_before", 0.0), after = h.value("rms_after", 0.0),
                  floor = h.value("noise_floor", 0.0);
     if (!score.removed && before > 1.02 * floor && floor > 0)
       score.removed = (before * before - after * after) / (before * before - floor * floor);
-    if (truth.window_s && findings[i].contains("interval_s") && findings[i]["interval_s"].size() == 2) {
-      const double a = findings[i]["interval_s"][0].get<double>(), b = findings[i]["interval_s"][1].get<double>();
+    if (truth.window_s && finding.contains("interval_s") && finding["interval_s"].size() == 2) {
+      const double a = finding["interval_s"][0].get<double>(), b = finding["interval_s"][1].get<double>();
       const double both = std::max(0.0, std::min(b, (*truth.window_s)[1]) - std::max(a, (*truth.window_s)[0]));
       score.overlap = both / (std::max(b, (*truth.window_s)[1]) - std::min(a, (*truth.window_s)[0]));
     }

@@ -19,9 +19,11 @@ struct CaseTruth {
   std::string kind;       ///< clean, single, window, oneaxis, pair, confound, cfgerr, notemp, noaux, absorb,
                           ///< novel, deleted, noref, limit
   std::string reference;  ///< exact, mocap, none
-  std::string noise;      ///< white, coloured, uneven
+  std::string noise;      ///< white, coloured, uneven, flicker
   std::map<std::string, std::map<std::string, std::vector<double>>> effects;  ///< ID to parameters by symbol
   std::optional<std::array<double, 2>> window_s;
+  std::vector<std::string> allowed =
+      {};                ///< names as true as the effects': of the noise that the simulation leaves out
   double d_prime = 0.0;  ///< of the weakest effect, in the sensor that sees it best; 0: not known
 };
 
@@ -44,16 +46,24 @@ void act_on_axes(std::map<std::string, std::vector<double>>& parameters, const s
 /// SHA-256 of id, truth and nonce, newline between.
 [[nodiscard]] std::string seal(const std::string& id, const CaseTruth& truth, const std::string& nonce);
 
+/// What the sensors are like beside the physics that is concealed.
+enum class Parts : std::uint8_t {
+  kIdeal,  ///< as the simulation says
+  kReal,   ///< flicker of which the simulation says nothing; 50, 100 or 200 Hz
+};
+
 /// Case `index` of the proof with this salt: the same salt gives the same recording. `quick` halves the length.
-[[nodiscard]] SealedCase draw_case(const std::string& salt, std::size_t index, bool quick);
+[[nodiscard]] SealedCase draw_case(const std::string& salt, std::size_t index, bool quick, Parts parts = Parts::kIdeal);
 
 /// The same, all of one kind of CaseTruth::kind: a large sample of what is rare in a whole proof.
-[[nodiscard]] SealedCase draw_case_of(const std::string& kind, const std::string& salt, std::size_t index, bool quick);
+[[nodiscard]] SealedCase draw_case_of(const std::string& kind, const std::string& salt, std::size_t index, bool quick,
+                                      Parts parts = Parts::kIdeal);
 /// The kinds that a whole proof draws.
 [[nodiscard]] std::vector<std::string> kinds_of_cases();
 
 /// A weak effect alone, of a size about the detection limit, for limit_tables().
-[[nodiscard]] SealedCase draw_limit_case(const std::string& salt, std::size_t index, bool quick);
+[[nodiscard]] SealedCase draw_limit_case(const std::string& salt, std::size_t index, bool quick,
+                                         Parts parts = Parts::kIdeal);
 
 /// True numbers of one effect: how many lie inside their stated 95 % interval.
 struct Coverage {

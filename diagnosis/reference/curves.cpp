@@ -7,6 +7,8 @@
 #include <numbers>
 #include <unsupported/Eigen/FFT>
 
+#include "diagnosis/discovery/law_curves.h"
+
 namespace stillpoint::diag {
 namespace {
 
@@ -174,6 +176,7 @@ FindingFigures curves_of(const Signals& s, const SensorSearch& search, std::size
     out.held_out.push_back(static_cast<int>(s.t_s[i] / 4.0) % 2 == 0);
   }
   fill_driver(against(s, search, f, theta, effect.col(axis), axis), after, layout, out);
+  if (f.kind == Kind::kUnknown) out.against_each = against_each(s, f.id, axis, before, after, layout);
   const NoiseModel noise(layout, finished.fit.leftover);
   fill_spectrum(before, after, noise, layout, s.dt_s, axis, out);
   out.autocorrelation_before = autocorrelation(noise.whiten(layout, before, axis));

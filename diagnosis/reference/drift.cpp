@@ -2,6 +2,8 @@
 
 #include <Eigen/Cholesky>
 #include <algorithm>
+#include <cmath>
+#include <numbers>
 
 namespace stillpoint::diag {
 namespace {
@@ -38,6 +40,37 @@ Finished finish_beside_drift(SensorSearch& search) {
     i = 0;
   }
   return finished;
+}
+
+bool reference_may_drift(const Signals& s, Sensor sensor, const Finished& finished) {
+  constexpr double kMarkers_rad = 2e-3;
+  if (s.exact_reference || sensor != kAcc) return false;
+  const double fastest = *std::max_element(finished.fit.walk_q.begin(), finished.fit.walk_q.end());
+  return fastest * std::sqrt(s.duration_s()) < kMarkers_rad * s.gravity_mps2;
+}
+
+bool walks_as_given(const Signals& s, Sensor sensor, const Finished& finished) {
+  constexpr double kWithin = 3.0;  // rates are tried in factors of two, and one path tells little of its rate
+  const sim::TriadConfig& given = s.triad[sensor];
+  const double flicker = given.bias_instability * std::sqrt(2.0 * std::numbers::pi / s.duration_s());
+  const auto& q = finished.fit.walk_q;
+  return *std::max_element(q.begin(), q.end()) < kWithin * (given.random_walk_per_sqrts + flicker);
+}
+
+bool much_is_left(const Signals& s, const SensorSearch& search, const Finished& finished, const Diagnosis& told) {
+  constexpr double kTimesTheNoise = 2.0;
+  double noise_sd = s.noise_sd[search.sensor];
+  if (!s.exact_reference || noise_sd <= 0) return false;
+  for (const NoiseFault& n : told.noise)
+    if (n.channel.starts_with(kSensorName[search.sensor])) noise_sd = std::max(noise_sd, n.measured);
+  const Layout& layout = search.target.layout;
+  double power = 0.0;
+  bool white = true;
+  for (int axis = 0; axis < 3; ++axis) {
+    power += (finished.fit.leftover.col(axis).array().square() * layout.counts).sum() / std::max(layout.used(), 1.0);
+    white = white && is_white(finished.fit.whitened.col(axis), layout);
+  }
+  return !white && std::sqrt(power / 3.0) > kTimesTheNoise * noise_sd;
 }
 
 }  // namespace stillpoint::diag

@@ -12,4 +12,16 @@ namespace stillpoint::diag {
 /// it.
 [[nodiscard]] Finished finish_beside_drift(SensorSearch& search);
 
+/// Markers settle and a camera's calibration wanders by milliradians: of that size gravity drifts in the body, and not
+/// the accelerometer.
+[[nodiscard]] bool reference_may_drift(const Signals& s, Sensor sensor, const Finished& finished);
+
+/// A walk no faster than what the simulation has itself: its random walk, and its flicker, which passes for one within
+/// minutes (equal powers at the period of the recording).
+[[nodiscard]] bool walks_as_given(const Signals& s, Sensor sensor, const Finished& finished);
+
+/// Beside an exact reference all that is left should be the sensor's noise. `told`: with the noise as measured at rest.
+[[nodiscard]] bool much_is_left(const Signals& s, const SensorSearch& search, const Finished& finished,
+                                const Diagnosis& told);
+
 }  // namespace stillpoint::diag

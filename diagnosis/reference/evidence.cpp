@@ -6,35 +6,8 @@
 namespace stillpoint::diag {
 namespace {
 
-constexpr double kFold_s = 4.0;
 constexpr int kLags = 20;
 constexpr double kChiSquare20_999 = 45.31;
-
-double rms_over(const Series3& x, const Eigen::ArrayXd& counts) {
-  double sum = 0.0;
-  for (int axis = 0; axis < 3; ++axis) sum += (x.col(axis).array().square() * counts).sum();
-  return std::sqrt(sum / std::max(3.0 * counts.sum(), 1.0));
-}
-
-/// The model without some effects (ascending): their columns gone, their offsets put back.
-std::pair<Target, Columns> without_effects(const SensorSearch& search, const std::vector<std::size_t>& effects) {
-  std::pair<Target, Columns> out{search.target, {}};
-  for (std::size_t i = 0; i < search.found.size(); ++i) {
-    const Found& f = search.found[i];
-    if (!std::binary_search(effects.begin(), effects.end(), i))
-      out.second = joined(std::move(out.second), f.columns);
-    else if (f.offset.size())
-      out.first.residual += f.offset;
-  }
-  return out;
-}
-
-/// Residual of the whole recording, with the coefficients of the samples that `train` counts.
-Series3 left_by(const Target& full, const Columns& columns, const NoiseModel& noise, const Eigen::ArrayXd& train) {
-  Target part = full;
-  part.layout.counts = train;
-  return fit_with(part, columns, noise, {}).leftover;
-}
 
 /// What deviations lack because the colour of the noise was estimated from what the same fit left over. An
 /// autoregression of order p sees the slow band through n / 2p numbers an axis, of which the q coefficients took one
@@ -117,52 +90,13 @@ Finished finish(const SensorSearch& search) {
   out.values = out.fit.theta;
   out.sd = out.fit.covariance.diagonal().cwiseMax(0.0).cwiseSqrt();
   free_the_shapes(search, t, out);
+  const Eigen::MatrixXd robust =
+      robust_covariance(t, explained, NoiseModel(t.layout, out.fit.leftover), out.fit.walk_q);
+  if (robust.size() > 0) out.sd = out.sd.cwiseMax(robust.diagonal().cwiseMax(0.0).cwiseSqrt());
   out.sd *= estimated_colour(t, explained);
   for (std::size_t i = 0; i < search.found.size(); ++i)
     if (search.found[i].timing.size())
       out.values.segment(first_column(search, i), search.found[i].timing.size()) += search.found[i].timing;
-  return out;
-}
-
-HeldOut held_out(const SensorSearch& search, const std::vector<std::size_t>& effects) {
-  const Target& t = search.target;
-  const auto [less, fewer] = without_effects(search, effects);
-  const Columns all = search.explained();
-  const NoiseModel noise(t.layout, fit_profile(t, all).leftover);
-  const auto block = static_cast<Eigen::Index>(std::lround(kFold_s / t.rows.step_s));
-  HeldOut out;
-  Series3 before = Series3::Zero(t.layout.n, 3), after = before;
-  Series gain = Series::Zero(t.layout.n);
-  for (int fold = 0; fold < 2; ++fold) {
-    Eigen::ArrayXd train = t.layout.counts;
-    for (Eigen::Index i = 0; i < t.layout.n; ++i)
-      if ((i / block) % 2 == fold) train[i] = 0.0;
-    const Series3 with = left_by(t, all, noise, train), without = left_by(less, fewer, noise, train);
-    for (int axis = 0; axis < 3; ++axis) {
-      const Series a = noise.whiten(t.layout, with.col(axis), axis),
-                   b = noise.whiten(t.layout, without.col(axis), axis);
-      for (Eigen::Index i = 0; i < t.layout.n; ++i) {
-        if ((i / block) % 2 != fold) continue;
-        gain[i] += 0.5 * (b[i] * b[i] - a[i] * a[i]);
-        before(i, axis) = without(i, axis);
-        after(i, axis) = with(i, axis);
-      }
-    }
-  }
-  for (Eigen::Index begin = 0; begin < t.layout.n; begin += block) {
-    const double here = gain.segment(begin, std::min(block, t.layout.n - begin)).sum();
-    ++out.blocks;
-    if (here > 0) ++out.blocks_better;
-    out.gain_nats += here;
-  }
-  out.rms_before = rms_over(before, t.layout.counts);
-  out.rms_after = rms_over(after, t.layout.counts);
-  // The floor is what the best coefficients leave: those of the whole recording.
-  out.noise_floor = rms_over(fit_with(t, all, noise, {}).leftover, t.layout.counts);
-  const double removable = out.rms_before * out.rms_before - out.noise_floor * out.noise_floor;
-  if (removable > 0)
-    out.removable_share_removed = (out.rms_before * out.rms_before - out.rms_after * out.rms_after) / removable;
-  out.unit = kSensorUnit[search.sensor];
   return out;
 }
 

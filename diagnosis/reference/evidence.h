@@ -22,6 +22,10 @@ struct Finished {
 /// the given effects, by index, ascending.
 [[nodiscard]] HeldOut held_out(const SensorSearch& search, const std::vector<std::size_t>& effects);
 
+/// The same with the share that is removed on kinds of motion left out of the fit, and its interval; what is local in
+/// time on blocks, as it is in one kind only.
+[[nodiscard]] HeldOut held_out_by_regime(const SensorSearch& search, const std::vector<std::size_t>& effects);
+
 /// Upper tail of chi-square with k degrees of freedom.
 [[nodiscard]] double chi_square_tail(double x, double k);
 

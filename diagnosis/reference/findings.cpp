@@ -6,12 +6,17 @@
 #include <cmath>
 #include <numeric>
 
+#include "diagnosis/certainty.h"
+#include "diagnosis/discovery/law_entry.h"
+#include "diagnosis/discovery/law_words.h"
 #include "diagnosis/finding_effect.h"
 #include "diagnosis/reference/adequacy.h"
+#include "diagnosis/reference/clock_of_rows.h"
 #include "diagnosis/reference/curves.h"
 #include "diagnosis/reference/drift.h"
 #include "diagnosis/reference/given_effects.h"
 #include "diagnosis/reference/remainder.h"
+#include "diagnosis/reference/steadiness.h"
 #include "diagnosis/reference/unrecorded.h"
 #include "simulation/effect_catalogue.h"
 
@@ -60,8 +65,8 @@ void parameters_of(const SensorSearch& search, std::size_t index, const Finished
 }
 
 void describe_time(const Signals& s, const Found& f, Finding& out) {
-  const double begin = static_cast<double>(f.window.begin) * s.dt_s, end = static_cast<double>(f.window.end) * s.dt_s;
-  out.interval_s = f.window.local ? std::array{begin, end} : std::array{0.0, s.duration_s()};
+  const double begin = begin_of_row_s(s, f.window.begin), end = begin_of_row_s(s, f.window.end);
+  out.interval_s = f.window.local ? std::array{begin, end} : std::array{0.0, begin_of_row_s(s, s.n)};
   if (!f.window.local)
     out.regime = "all the time";
   else if (f.window.end >= s.n)
@@ -74,8 +79,12 @@ void describe_time(const Signals& s, const Found& f, Finding& out) {
 void rivals_of(const Found& f, Finding& out) {
   const auto ranked = std::find_if(f.rivals.begin(), f.rivals.end(), [&](const Ranked& r) { return r.id == f.id; });
   if (ranked == f.rivals.end()) return;
+  if (f.kind == Kind::kUnknown)
+    for (const Ranked& r : f.rivals)
+      if (const auto law = law_tree(r.id))
+        out.weighed.push_back({law_text(r.id), laws::complexity_bits(*law), r.gain_nats, r.net_nats});
   for (const Ranked& r : f.rivals) {
-    if (r.id == f.id || r.id == "field_world" ||
+    if (r.id == f.id || r.id.ends_with("_world") ||
         std::find(out.equivalent.begin(), out.equivalent.end(), r.id) != out.equivalent.end())
       continue;
     const bool tie = r.net_nats > ranked->net_nats - tie_nats(f.window) && r.id.rfind("unknown", 0) != 0;
@@ -110,7 +119,7 @@ Finding finding_from(const Signals& s, const SensorSearch& search, std::size_t i
   describe_time(s, f, out);
   channels_of(search, index, finished, out);
   parameters_of(search, index, finished, out);
-  out.held_out = held_out(search, {index});
+  out.held_out = held_out_by_regime(search, {index});
   out.p_value = std::min(1.0, chi_square_tail(2.0 * f.gain_nats, static_cast<double>(f.columns.size())) *
                                   static_cast<double>(search.laws.size() + search.unknown.size()) *
                                   (f.window.local ? 500.0 : 1.0));
@@ -122,7 +131,7 @@ Finding finding_from(const Signals& s, const SensorSearch& search, std::size_t i
   rivals_of(f, out);
   out.figures = curves_of(s, search, index, finished);
   out.decided_by = f.id == kUnrecordedScalar ? "record " + missing_drivers(s, search.sensor) : deciding_recording(out);
-  out.confidence = 1.0 / (1.0 + std::exp(-std::min(0.5 * f.net_nats, 30.0)));
+  out.confidence = confidence_of(f.net_nats);
   return out;
 }
 
@@ -134,9 +143,37 @@ bool left_of_another(const SensorSearch& search, const Found& f) {
   });
 }
 
+/// A law that is the cause removes nearly all that is removable wherever it acts; of what only goes along with the
+/// cause, not half is left elsewhere.
+bool fails_elsewhere(const HeldOut& h) {
+  const bool judged = h.share_ci95[1] > h.share_ci95[0];
+  return judged && h.share_ci95[1] < 0.5;
+}
+
 bool holds(const SensorSearch& search, const std::string& part) {
   return std::any_of(search.found.begin(), search.found.end(),
                      [&part](const Found& f) { return f.id.find(part) != std::string::npos; });
+}
+
+void say_as_unknown(Finding& f, const char* name, const char* driver) {
+  f.effect = name;
+  f.driver = driver;
+  f.equivalent.clear();
+  f.decided_by = "record what changes it";
+}
+
+/// What is left is no walk, whatever a walk gains.
+Finding remainder_finding(const Signals& s, const SensorSearch& search) {
+  Finding out;
+  out.effect = "unknown:u(t)";
+  out.driver = "something that no recorded quantity drives";
+  out.equation = "delta = u, of no known form";
+  for (const char* axis : kAxisName) out.channels.push_back(std::string(kSensorName[search.sensor]) + "_" + axis);
+  out.interval_s = {0.0, s.duration_s()};
+  out.regime = "all the time";
+  out.held_out.unit = kSensorUnit[search.sensor];
+  out.decided_by = "record slow motion through every attitude, and every quantity that could drive it";
+  return out;
 }
 
 Finding switching_finding(const Signals& s, const SensorSearch& search, const Finished& finished) {
@@ -144,7 +181,7 @@ Finding switching_finding(const Signals& s, const SensorSearch& search, const Fi
   out.effect = "unknown:switched(t)";
   std::vector<std::size_t> all(search.found.size());
   std::iota(all.begin(), all.end(), 0);
-  out.held_out = held_out(search, all);
+  out.held_out = held_out_by_regime(search, all);
   out.equivalent.clear();
   out.parameters.clear();
   out.interval_s = {0.0, s.duration_s()};
@@ -176,8 +213,7 @@ Finding drift_finding(const Signals& s, const SensorSearch& search, const Finish
   }
   out.held_out.gain_nats = finished.walk_gain_nats;
   out.held_out.unit = kSensorUnit[search.sensor];
-  out.p_value = std::exp(-finished.walk_gain_nats);
-  out.confidence = 1.0 - out.p_value;
+  out.p_value = chance_of(finished.walk_gain_nats);
   // Over minutes a flicker and a walk look alike; the Allan deviation of hours tells them apart.
   if (search.sensor == kGyr) out.equivalent.emplace_back("gyr_instability");
   const std::string missing = missing_drivers(s, search.sensor);
@@ -221,7 +257,8 @@ void report_sensor(const Signals& s, const EngineResult& engine, Sensor sensor,
   std::vector<sim::EffectConfig> effects;
   // A step that leaves drift behind, where a driver was not recorded, is more likely a piece of that driver's curve.
   // What follows the temperature beside a step of no known cause is no better: both are slow.
-  const bool drifting = drifts(search, finished);
+  const bool drifting =
+      drifts(search, finished) && !reference_may_drift(s, sensor, finished) && !walks_as_given(s, sensor, finished);
   const bool slow = drifting || (holds(search, kPlainOffset) && holds(search, "_temp_"));
   const bool piece = slow && locals(search) > 0 && !missing_drivers(s, sensor).empty();
   const bool switched = locals(search) >= 2 || piece;
@@ -233,21 +270,36 @@ void report_sensor(const Signals& s, const EngineResult& engine, Sensor sensor,
     const auto same = [&](const Finding& told) { return told.effect == f.id; };
     if (std::any_of(findings.begin(), findings.end(), same)) continue;
     if (std::any_of(answer.diagnosis.findings.begin(), answer.diagnosis.findings.end(), same)) continue;
-    findings.push_back(finding_from(s, search, i, finished));
+    Finding told = finding_from(s, search, i, finished);
+    if (fails_elsewhere(told.held_out)) {
+      answer.diagnosis.notices.push_back(
+          fmt::format("{} fits, but is not stated: on {} left out of its fit it removes {:.2g} of what is removable",
+                      f.id, told.held_out.on, told.held_out.removable_share_removed));
+      continue;
+    }
+    const bool varies = delay_varies(search, i, finished);
+    if (varies) say_as_unknown(told, "unknown:delay(t)", "something that delays the rows, now more, now less");
+    if (was_moved(f, s.n)) say_as_unknown(told, "unknown:mounting(t)", "the place of the sensor, or of the marker");
+    findings.push_back(std::move(told));
+    if (varies) continue;
     const Eigen::Index count = static_cast<Eigen::Index>(f.columns.size());
-    if (const auto e = to_effect(f, finished.values.segment(first_column(search, i), count), s.dt_s))
+    if (const auto e = to_effect(f, finished.values.segment(first_column(search, i), count), s)) effects.push_back(*e);
+    if (const auto e = law_entry(f, sensor, finished.values.segment(first_column(search, i), count),
+                                 finished.sd.segment(first_column(search, i), count)))
       effects.push_back(*e);
     if (f.shape_name == kTrackerShape)
       effects.push_back({.id = "sys_tracker", .parameters = {{"tau_s", {f.shape}}}, .axes = {}, .window_s = {}});
   }
   // What drifts beside an unknown law is what its product leaves of it.
-  if (drifting && !switched && !search.has_unknown() && !contains(given, drift_id(sensor))) {
+  if (drifting && !switched && !search.has_unknown() && much_is_left(s, search, finished, answer.diagnosis)) {
+    findings.push_back(remainder_finding(s, search));
+  } else if (drifting && !switched && !search.has_unknown() && !contains(given, drift_id(sensor))) {
     findings.push_back(drift_finding(s, search, finished));
     effects.push_back(drift_effect(sensor, finished));
   }
   for (auto& f : findings) answer.diagnosis.findings.push_back(std::move(f));
   for (auto& e : effects) answer.effects.push_back(std::move(e));
-  report_remainder(s, search, finished, answer.diagnosis);
+  report_remainder(s, search, finished, answer);
   heat_of(s, search, answer.diagnosis);
   for (const Ranked& r : search.ranking) answer.diagnosis.ranking.push_back({r.id, r.gain_nats});
 }

@@ -1,7 +1,7 @@
-#include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
 
+#include "core/directions.h"
 #include "core/so3.h"
 #include "diagnosis/finding_effect.h"
 #include "diagnosis/reference/apparatus.h"
@@ -21,11 +21,6 @@ struct Turn {
   double sd = 0.0;
 };
 
-Mat3 nearest_rotation(const Mat3& m) {
-  const Eigen::JacobiSVD<Mat3> svd(m, Eigen::ComputeFullU | Eigen::ComputeFullV);
-  return svd.matrixU() * svd.matrixV().transpose();
-}
-
 /// The rotation in the map that brings this sensor's prediction to its reading.
 std::optional<Turn> turn_of(const Signals& s, Sensor k) {
   if (!s.present[k] || s.residual[k].rows() == 0) return std::nullopt;
@@ -43,7 +38,7 @@ std::optional<Turn> turn_of(const Signals& s, Sensor k) {
   const bool of_reference = s.exact_reference || k == kMag;
   const Mat3 C = of_reference ? Mat3(Mat3::Identity() + map) : Mat3((Mat3::Identity() - map).inverse());
   if (!C.allFinite()) return std::nullopt;
-  const Quat q(nearest_rotation(C));
+  const Quat q(nearest_orthogonal(C));
   return Turn{k, -log_quat(q), std::sqrt(std::max(variance, 0.0))};
 }
 
@@ -110,7 +105,6 @@ Finding finding_of(const Signals& s, const std::vector<Turn>& turns, const Commo
   f.held_out.noise_floor = s.noise_sd[common.sharpest];
   f.held_out.gain_nats = common.gain_nats;
   f.p_value = chi_square_tail(2.0 * common.gain_nats, 3.0);
-  f.confidence = 0.99;
   f.runner_up_effect = "wrong matrices";
   f.runner_up_why_rejected = "those of all sensors would have to be turned by the same angles by chance";
   f.decided_by = "a turn of the mount by a known angle; the sensor's own axes do not follow it";

@@ -4,7 +4,9 @@
 #include <cmath>
 #include <numbers>
 
+#include "diagnosis/discovery/law_delta.h"
 #include "diagnosis/reference/apparatus.h"
+#include "diagnosis/reference/clock_of_rows.h"
 #include "diagnosis/reference/columns.h"
 #include "simulation/effect_catalogue.h"
 
@@ -37,8 +39,8 @@ Vec3 vec3_of(const sim::EffectConfig& e, const std::string& key) {
 Window window_of(const sim::EffectConfig& e, const Signals& s) {
   Window w;
   const double t0 = scalar(e, "t0_s", 0.0);
-  w.begin = std::clamp<Eigen::Index>(std::lround(std::max(t0, e.window_s ? e.window_s->first : 0.0) / s.dt_s), 0, s.n);
-  w.end = e.window_s ? std::clamp<Eigen::Index>(std::lround(e.window_s->second / s.dt_s), w.begin, s.n) : s.n;
+  w.begin = row_at(s, std::max(t0, e.window_s ? e.window_s->first : 0.0));
+  w.end = e.window_s ? std::max(w.begin, row_at(s, e.window_s->second)) : s.n;
   w.local = w.begin > 0 || w.end < s.n;
   return w;
 }
@@ -202,15 +204,15 @@ bool set_in_order(const Found& found, const Eigen::VectorXd& values, double begi
 
 }  // namespace
 
-std::optional<sim::EffectConfig> to_effect(const Found& found, const Eigen::VectorXd& values, double dt_s) {
+std::optional<sim::EffectConfig> to_effect(const Found& found, const Eigen::VectorXd& values, const Signals& s) {
   const sim::EffectInfo* info = sim::find_effect(found.id);
   if (info == nullptr) return std::nullopt;
   sim::EffectConfig e;
   e.id = found.id;
-  const double begin_s = static_cast<double>(found.window.begin) * dt_s;
-  if (set_by_rule(found, values, dt_s, begin_s, e)) return e;
+  const double begin_s = begin_of_row_s(s, found.window.begin);
+  if (set_by_rule(found, values, s.dt_s, begin_s, e)) return e;
   if (!set_in_order(found, values, begin_s, *info, e)) return std::nullopt;
-  if (found.window.local) e.window_s = {begin_s, static_cast<double>(found.window.end) * dt_s};
+  if (found.window.local) e.window_s = {begin_s, begin_of_row_s(s, found.window.end)};
   return e;
 }
 
@@ -223,6 +225,7 @@ std::vector<std::string> subtract_effects(Signals& s, const std::vector<sim::Eff
     if (e.id == "ref_frame") turn_into_sensor_frame(s, vec3_of(e, "phi_rad")), done = true;
     for (const Sensor k : {kAcc, kGyr, kMag}) {
       if (!s.present[k] || s.residual[k].rows() == 0) continue;
+      if (const auto delta = law_delta(s, k, e)) s.residual[k] -= *delta, done = true;
       const bool mine = e.id.rfind(std::string(kSensorName[k]) + "_", 0) == 0, common = e.id.rfind("sys_", 0) == 0;
       if (!mine && !common) continue;
       if (e.id == "gyr_earth")

@@ -7,9 +7,9 @@
 namespace stillpoint::diag {
 
 /// The found effect with its fitted values (one a coefficient or timing parameter) in the catalogue's keys.
-/// nullopt: not in the catalogue, or not to be written in its keys. `dt_s`: step of the grid.
+/// nullopt: not in the catalogue, or not to be written in its keys. `s`: the rows it was found in.
 [[nodiscard]] std::optional<sim::EffectConfig> to_effect(const Found& found, const Eigen::VectorXd& values,
-                                                         double dt_s);
+                                                         const Signals& s);
 
 /// Takes what the effects predict out of the residuals. Returns the IDs that cannot be predicted from the recording.
 [[nodiscard]] std::vector<std::string> subtract_effects(Signals& s, const std::vector<sim::EffectConfig>& effects);

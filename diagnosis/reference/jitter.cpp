@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "diagnosis/certainty.h"
 #include "diagnosis/finding_effect.h"
 #include "diagnosis/reference/apparatus.h"
 #include "diagnosis/reference/columns.h"
@@ -11,11 +12,13 @@
 namespace stillpoint::diag {
 namespace {
 
-constexpr double kLeastNats = 30.0;      // more than the least a law needs: its noise model is the simpler one
-constexpr double kContradiction = -5.0;  // nats of one sensor that speak against the others
-constexpr double kLeastSlope = 0.5;      // of a millisecond's change over the noise: slower rows say nothing
-constexpr double kAcross_s = 1.0;        // noise across the derivative is averaged over twice this
-constexpr double kWhite = 0.3;           // correlation of neighbours: a delay or a lost sample lasts
+constexpr double kLeastNats = 30.0;       // more than the least a law needs: its noise model is the simpler one
+constexpr double kWitness = 3.0;          // nats with which a sensor says so itself
+constexpr double kContradiction = -5.0;   // nats of one sensor that speak against the others
+constexpr double kLeastOfExpected = 0.3;  // of the gain that a common clock would give: less is one sensor's own noise
+constexpr double kLeastSlope = 0.5;       // of a millisecond's change over the noise: slower rows say nothing
+constexpr double kAcross_s = 1.0;         // noise across the derivative is averaged over twice this
+constexpr double kWhite = 0.3;            // correlation of neighbours: a delay or a lost sample lasts
 constexpr double kSlowest_s = 1e-6, kFastest_s = 2e-2;
 constexpr int kGrid = 80;
 
@@ -91,6 +94,16 @@ double gain_of(const Rows& rows, double sd_s) {
   for (std::size_t i = 0; i < rows.at.size(); ++i) {
     const double v = rows.noise[i], w = v + std::pow(sd_s * rows.slope[i], 2), y2 = rows.along[i] * rows.along[i];
     sum -= 0.5 * (std::log(w / v) + y2 / w - y2 / v);
+  }
+  return sum;
+}
+
+/// What a jitter of this size would gain in these rows.
+double expected_gain(const Rows& rows, double sd_s) {
+  double sum = 0.0;
+  for (std::size_t i = 0; i < rows.at.size(); ++i) {
+    const double ratio = 1.0 + std::pow(sd_s * rows.slope[i], 2) / rows.noise[i];
+    sum += 0.5 * (ratio - 1.0 - std::log(ratio));
   }
   return sum;
 }
@@ -174,7 +187,7 @@ Finding finding_of(const Signals& s, const std::vector<Rows>& sensors, const Jit
   f.parameters = {{"sd", jitter.sd_s, {jitter.sd_s - jitter.half_s, jitter.sd_s + jitter.half_s}, "s"}};
   f.held_out.gain_nats = jitter.gain_nats;
   f.p_value = chi_square_tail(2.0 * jitter.gain_nats, 1.0);
-  f.confidence = 1.0 / (1.0 + std::exp(-std::min(0.5 * (jitter.gain_nats - kLeastNats), 30.0)));
+  f.confidence = confidence_of(jitter.gain_nats - kLeastNats);
   f.runner_up_effect = "noise that grows with motion";
   f.runner_up_why_rejected = "it would lie across the derivative as well as along it";
   f.decided_by = "time stamps taken by the sensor itself (data ready) beside those of the host";
@@ -191,12 +204,19 @@ void find_jitter(Signals& s, const sim::SimulationConfig& given, Answer& answer)
   const Jitter jitter = most_likely(sensors);
   // The field of a place may jump by itself: the magnetometer alone is no witness of the clock.
   double witnessed = 0.0;
-  for (const Rows& r : sensors)
-    if (r.sensor != kMag) witnessed += gain_of(r, jitter.sd_s);
-  if (witnessed < kLeastNats) return;
+  int inertial = 0, witnesses = 0;
+  for (const Rows& r : sensors) {
+    if (r.sensor == kMag) continue;
+    const double gain = gain_of(r, jitter.sd_s);
+    witnessed += gain, ++inertial, witnesses += gain > kWitness;
+  }
+  // One sensor's noise may grow with its motion by itself.
+  if (witnessed < kLeastNats || witnesses < inertial) return;
   for (const Rows& r : sensors) {
     const double gain = gain_of(r, jitter.sd_s);
-    if (gain < kContradiction || (gain > 3.0 && std::abs(memory_of(r)) > kWhite)) return;
+    // One clock for all; a magnetometer often has one of its own.
+    const double due = r.sensor == kMag ? 0.0 : kLeastOfExpected * expected_gain(r, jitter.sd_s);
+    if (gain < kContradiction + due || (gain > 3.0 && std::abs(memory_of(r)) > kWhite)) return;
   }
   if (!contains(given.effects, "sys_jitter")) {
     answer.diagnosis.findings.push_back(finding_of(s, sensors, jitter));

@@ -6,7 +6,6 @@ namespace stillpoint::diag {
 namespace {
 
 constexpr double kWalkWorthwhile = 2.0;
-constexpr double kWalkFreedom = 8.0;        // what three rates of a random walk and their name are worth
 constexpr double kNatsForTheProduct = 1.5;  // there are four times as many products as laws
 
 }  // namespace
@@ -16,7 +15,8 @@ Judge::Judge(const SensorSearch& search)
   null_ = fit_profile(plain_, explained_).log_likelihood;
   const double with_walk = fit_profile(beside_walk_, explained_).log_likelihood;
   walking_ = with_walk > null_ + kWalkWorthwhile;
-  null_ = std::max(null_, with_walk - kWalkFreedom);
+  if (search.walk_is_given) walk_freedom_ = 0.0;
+  null_ = std::max(null_, with_walk - walk_freedom_);
 }
 
 void Judge::weigh(Found& f) const {
@@ -27,7 +27,7 @@ void Judge::weigh(Found& f) const {
     return fit_profile(t, columns).log_likelihood;
   };
   double best = likelihood(plain_);
-  if (walking_) best = std::max(best, likelihood(beside_walk_) - kWalkFreedom);
+  if (walking_) best = std::max(best, likelihood(beside_walk_) - walk_freedom_);
   f.gain_nats = best - null_;
   f.net_nats = f.gain_nats - charge(f.names.size(), f.window);
   if (f.kind == Kind::kUnknown && f.form_of.empty()) f.net_nats -= kNatsForTheProduct;

@@ -20,6 +20,7 @@ class Judge {
   Target plain_, beside_walk_;
   Columns explained_;
   double null_ = 0.0;
+  double walk_freedom_ = 8.0;  ///< what three rates of a random walk and their name are worth
   bool walking_ = false;
 };
 

@@ -162,6 +162,16 @@ class LawList {
 
   void accelerometer() {
     const Signals& s = s_;
+    if (!s.exact_reference) {  // a camera's world is levelled by hand
+      Law& level = add(
+          "vertical_world",
+          [&s](double) {
+            return coupled({s.world_axis[0], s.world_axis[1]});
+          },
+          {"d_x", "d_y"}, "m/s^2", "delta = R' d", "attitude, fixed in the world");
+      level.kind = Kind::kConfiguration;
+      level.extent = Extent::kWhole;
+    }
     if (s.has_position) {
       add(
           "acc_lever",

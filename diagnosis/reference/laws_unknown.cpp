@@ -114,6 +114,18 @@ class Products {
     laws_.back().coefficients = entries("k");
   }
 
+  /// What relaxes after it was bolted down or switched on.
+  void relaxation(const Signals& s) {
+    if (sensor_ == kMag) return;
+    add_columns("log(t)", [&s](double tau) { return on_each_axis((1.0 + s.t_s.array() / tau).log().matrix()); });
+    laws_.back().shapes = {1.0, 4.0, 15.0};
+    laws_.back().shape_name = "tau";
+    laws_.back().shape_unit = "s";
+    laws_.back().extent = Extent::kWhole;
+    laws_.back().equation = "delta = k log(1 + t / tau)";
+    laws_.back().driver = "time: stress that relaxes";
+  }
+
   /// An offset, one fixed in the world, a linear map, each there for a while and by no driver at all: the plain rivals
   /// of whatever is local in time.
   void for_a_while(const Signals& s) {
@@ -206,6 +218,7 @@ std::vector<Law> make_unknown_laws(const Signals& s, Sensor sensor) {
   products.own_vector();
   products.matrices_and_lags(s);
   products.arm_and_place(s);
+  products.relaxation(s);
   products.for_a_while(s);
   std::vector<Law> laws = products.take();
   drop_inseparable(s, sensor, laws);

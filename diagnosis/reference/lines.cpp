@@ -8,6 +8,7 @@
 
 #include "diagnosis/reference/columns.h"
 #include "diagnosis/reference/golden_section.h"
+#include "diagnosis/reference/line_evidence.h"
 
 namespace stillpoint::diag {
 namespace {
@@ -100,7 +101,7 @@ Found line(const Target& t, const Series& t_s, double frequency_Hz, const Eigen:
 
 }  // namespace
 
-std::optional<Found> line_in(const SensorSearch& search) {
+std::optional<Found> line_in(const Signals& s, const SensorSearch& search) {
   Target plain = search.target;
   plain.layout.order = 0;
   Series3 left = fit_with(plain, search.explained(), NoiseModel(plain.layout, plain.residual), {}).leftover;
@@ -119,7 +120,13 @@ std::optional<Found> line_in(const SensorSearch& search) {
   if (power[at] < 0.3 * kLeastOverMean * around[around.size() / 2]) return std::nullopt;
   Found f;
   const double half_rate_Hz = 0.5 / plain.rows.step_s;
-  const double frequency_Hz = refined(left, search.t_s, static_cast<double>(at) * bin_Hz, bin_Hz, half_rate_Hz);
+  double frequency_Hz = refined(left, search.t_s, static_cast<double>(at) * bin_Hz, bin_Hz, half_rate_Hz);
+  const Window window = stretch_of_line(left, plain.layout, search.t_s, frequency_Hz, plain.rows.step_s);
+  if (window.local) {
+    left.topRows(window.begin).setZero(), left.bottomRows(left.rows() - window.end).setZero();
+    frequency_Hz = refined(left, search.t_s, frequency_Hz, bin_Hz, half_rate_Hz);
+  }
+  if (!s.exact_reference && !stands_in_reading(s, plain.sensor, left, window, frequency_Hz)) return std::nullopt;
   if (half_rate_Hz - frequency_Hz < kSameFrequency * bin_Hz) {
     if (plain.sensor != kMag) return std::nullopt;
     f = flip(plain);
@@ -129,7 +136,11 @@ std::optional<Found> line_in(const SensorSearch& search) {
     const double strong = svd.singularValues()[0], weak = svd.singularValues()[1];
     const double nats = 0.5 * power[at] * weak * weak / (strong * strong);
     f = line(plain, search.t_s, frequency_Hz, amplitude, nats);
-    f.shape_sd = std::sqrt(12.0) / (2.0 * std::numbers::pi * plain.duration_s * std::sqrt(power[at]));
+    const double lasts_s =
+        window.local ? static_cast<double>(window.end - window.begin) * plain.rows.step_s : plain.duration_s;
+    f.shape_sd = std::sqrt(12.0) / (2.0 * std::numbers::pi * lasts_s * std::sqrt(power[at]));
+    f.window = window;
+    f.columns = in_window(std::move(f.columns), window);
   }
   f.kind = Kind::kNamed;
   f.units.assign(f.names.size(), f.unit);

@@ -10,6 +10,6 @@ namespace stillpoint::diag {
 
 /// acc_alias, gyr_alias or gyr_coning, mag_line; mag_flip where the line lies at half the sampling rate. The gain is
 /// left to the caller.
-[[nodiscard]] std::optional<Found> line_in(const SensorSearch& search);
+[[nodiscard]] std::optional<Found> line_in(const Signals& s, const SensorSearch& search);
 
 }  // namespace stillpoint::diag

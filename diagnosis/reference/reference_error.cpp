@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "core/so3.h"
+#include "diagnosis/certainty.h"
 #include "diagnosis/reference/apparatus.h"
 
 namespace stillpoint::diag {
@@ -101,11 +102,12 @@ void find_reference_error(const Signals& s, const io::Recording& recording, cons
   f.parameters = {{"orientation", rad, interval(rad), "rad"},
                   {"position", metre, interval(metre), "m"},
                   {"band", band, interval(band), "Hz"}};
-  f.held_out = {.rms_before = turn, .rms_after = turn, .noise_floor = stated_rad, .unit = "rad"};
+  f.held_out.rms_before = f.held_out.rms_after = turn;
+  f.held_out.noise_floor = stated_rad;
+  f.held_out.unit = "rad";
   const double ratio = std::pow(turn / std::max(stated_rad, 1e-3 * turn), 2);
   f.held_out.gain_nats = 0.5 * n * n * (ratio - 1.0 - std::log(ratio));
-  f.p_value = std::exp(-std::min(f.held_out.gain_nats, 90.0));
-  f.confidence = 0.99;
+  f.p_value = chance_of(f.held_out.gain_nats);
   f.runner_up_effect = "a body that trembles";
   f.runner_up_why_rejected = "gyroscope and accelerometer are at rest meanwhile";
   f.decided_by = "the same reference on a body that is clamped down";

@@ -9,6 +9,8 @@ namespace {
 
 constexpr int kProfileRounds = 3;
 constexpr int kMostWalkTerms = 40;
+constexpr double kScoreBlock_s = 1.0;                     // longer than a camera's noise remembers
+constexpr double kLeastBlocksPerNumber = 3.0;             // fewer do not know a covariance
 constexpr double kAnotherSolution = 10.0;                 // nats
 constexpr double kWeakWalk = 0.003, kStrongWalk = 300.0;  // where a walk's rate is sought, in walk_unit
 
@@ -221,6 +223,35 @@ Fit fit_with(const Target& t, const Columns& columns, const NoiseModel& noise, c
   Target still = t;
   still.walk.resize(0, 0);
   return solve(still, columns, noise, whitened_systems(still, columns, noise), walk_q);
+}
+
+Eigen::MatrixXd robust_covariance(const Target& t, const Columns& columns, const NoiseModel& noise,
+                                  const std::array<double, 3>& walk_q) {
+  const auto p = static_cast<Eigen::Index>(columns.size());
+  const bool walks = t.walk.cols() > 0 && any_walks(walk_q);
+  const Systems systems = whitened_systems(t, columns, noise);
+  const Solution s = solve_normal(t, columns, noise, systems, walk_q);
+  const auto block = std::max<Eigen::Index>(1, std::lround(kScoreBlock_s / t.rows.step_s));
+  const Eigen::Index blocks = (t.layout.n + block - 1) / block;
+  Eigen::MatrixXd scores = Eigen::MatrixXd::Zero(blocks, s.x.size());
+  Eigen::VectorXd speaks = Eigen::VectorXd::Zero(blocks);
+  for (const AxisSystem& a : systems) {
+    const Eigen::Index used = a.plain + (walks ? t.walk.cols() : 0);
+    Eigen::VectorXd own(used);
+    for (Eigen::Index i = 0; i < used; ++i) own[i] = s.x[a.global[static_cast<std::size_t>(i)]];
+    const Series left = a.rhs - a.design.leftCols(used) * own;
+    for (Eigen::Index b = 0; b < blocks; ++b) {
+      const Eigen::Index begin = b * block, length = std::min(block, t.layout.n - begin);
+      const auto rows = a.design.middleRows(begin, length);
+      for (Eigen::Index i = 0; i < used; ++i)
+        scores(b, a.global[static_cast<std::size_t>(i)]) += rows.col(i).dot(left.segment(begin, length));
+      speaks[b] += rows.middleCols(t.nuisance.cols(), a.plain - t.nuisance.cols()).squaredNorm();
+    }
+  }
+  const auto n = static_cast<double>((speaks.array() > 1e-3 * speaks.maxCoeff()).count());
+  if (n < kLeastBlocksPerNumber * static_cast<double>(p)) return {};
+  const Eigen::MatrixXd influence = scores * s.inverse.rightCols(p);
+  return influence.transpose() * influence * (n / (n - static_cast<double>(p)));
 }
 
 Fit fit_walking(const Target& t, const Columns& columns, const NoiseModel& noise) {

@@ -64,6 +64,11 @@ struct Fit {
 [[nodiscard]] Fit fit_with(const Target& target, const Columns& columns, const NoiseModel& noise,
                            const std::array<double, 3>& walk_q);
 
+/// Covariance of the columns' coefficients from what the residual did to them in each second, not from the noise model
+/// being right (Liang and Zeger, Biometrika 73, 1986). Empty where too few seconds speak of them.
+[[nodiscard]] Eigen::MatrixXd robust_covariance(const Target& target, const Columns& columns, const NoiseModel& noise,
+                                                const std::array<double, 3>& walk_q);
+
 /// With a given noise model, under which each axis walks at its most likely rate.
 [[nodiscard]] Fit fit_walking(const Target& target, const Columns& columns, const NoiseModel& noise);
 

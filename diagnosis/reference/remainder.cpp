@@ -10,12 +10,56 @@ namespace stillpoint::diag {
 namespace {
 
 constexpr double kConfigurationP = 1e-6;
+constexpr double kKnown =
+    0.01;  // deviation of an entry of a matrix, or of a bias over the vector: the tenth of a data sheet's
 
-void configuration_of(const Signals& s, const SensorSearch& search, const Finished& finished, Diagnosis& out) {
+/// The triad whose numbers are right: residual = offset + D v, of the true v where a reference gives it, else of the
+/// reading itself.
+sim::TriadConfig set_right(const Signals& s, Sensor k, const Vec3& offset, const Mat3& D) {
+  sim::TriadConfig out = s.triad[k];
+  const bool of_truth = s.exact_reference || k == kMag;
+  const Mat3 undo = of_truth ? Mat3((Mat3::Identity() + D).inverse()) : Mat3(Mat3::Identity() - D);
+  const Vec3 shift = of_truth ? offset : Vec3((Mat3::Identity() - D).inverse() * offset);
+  out.bias += s.triad[k].matrix.inverse() * shift;
+  out.matrix = undo * s.triad[k].matrix;
+  return out;
+}
+
+std::vector<Parameter> values_of(const sim::TriadConfig& right, const Eigen::MatrixXd& covariance, Sensor k) {
+  std::vector<Parameter> out;
+  const auto add = [&out](std::string name, double x, double variance, const char* unit) {
+    const double half = 1.96 * std::sqrt(std::max(variance, 0.0));
+    out.push_back({std::move(name), x, {x - half, x + half}, unit});
+  };
+  for (Eigen::Index i = 0; i < 3; ++i)
+    add(fmt::format("bias_{}", "xyz"[i]), right.bias[i], covariance(4 * i, 4 * i), kSensorUnit[k]);
+  for (Eigen::Index i = 0; i < 3; ++i)
+    for (Eigen::Index j = 0; j < 3; ++j)
+      add(fmt::format("matrix_{}{}", "xyz"[i], "xyz"[j]), right.matrix(i, j), covariance(4 * i + 1 + j, 4 * i + 1 + j),
+          "1");
+  return out;
+}
+
+/// Numbers that this motion does not tell apart are not stated: a bias of some percent of the field and a matrix of
+/// some percent can be the same thing.
+bool well_conditioned(const Eigen::MatrixXd& covariance, double scale) {
+  for (Eigen::Index axis = 0; axis < 3; ++axis) {
+    if (std::sqrt(covariance(4 * axis, 4 * axis)) > kKnown * scale) return false;
+    for (Eigen::Index j = 1; j < 4; ++j)
+      if (std::sqrt(covariance(4 * axis + j, 4 * axis + j)) > kKnown) return false;
+  }
+  return true;
+}
+
+void configuration_of(const Signals& s, const SensorSearch& search, const Finished& finished, Answer& answer) {
+  Diagnosis& out = answer.diagnosis;
   const std::string sensor = kSensorName[search.sensor];
   for (const Found& f : search.found)
     if (f.kind == Kind::kConfiguration)
-      out.configuration.push_back({sensor, "field_world_uT is wrong: another constant field fits"});
+      out.configuration.push_back({sensor, search.sensor == kMag
+                                               ? "field_world_uT is wrong: another constant field fits"
+                                               : "the vertical of the reference's world is not that of gravity"});
+  const std::size_t stated = out.configuration.size();
   const bool thermal = std::any_of(search.found.begin(), search.found.end(), [](const Found& f) {
     return f.id.find("_temp_") != std::string::npos || f.id.find("_volt") != std::string::npos ||
            f.id.find("current") != std::string::npos;
@@ -44,6 +88,15 @@ void configuration_of(const Signals& s, const SensorSearch& search, const Finish
                              100.0 * map.cwiseAbs().maxCoeff(), 100 * map(0, 0), 100 * map(0, 1), 100 * map(0, 2),
                              100 * map(1, 0), 100 * map(1, 1), 100 * map(1, 2), 100 * map(2, 0), 100 * map(2, 1),
                              100 * map(2, 2))});
+  if (out.configuration.size() == stated || thermal) return;
+  if (!well_conditioned(P, scale)) {
+    out.notices.push_back(sensor +
+                          ": bias and matrix cannot be told apart by this motion, their sizes are not to be used; "
+                          "turn it through more attitudes");
+    return;
+  }
+  answer.numbers[search.sensor] = set_right(s, search.sensor, offset, map);
+  out.configuration.back().values = values_of(*answer.numbers[search.sensor], P, search.sensor);
 }
 
 void residual_of(const Signals& s, const SensorSearch& search, const Finished& finished, Diagnosis& out) {
@@ -66,9 +119,9 @@ void residual_of(const Signals& s, const SensorSearch& search, const Finished& f
 
 }  // namespace
 
-void report_remainder(const Signals& s, const SensorSearch& search, const Finished& finished, Diagnosis& out) {
+void report_remainder(const Signals& s, const SensorSearch& search, const Finished& finished, Answer& out) {
   configuration_of(s, search, finished, out);
-  residual_of(s, search, finished, out);
+  residual_of(s, search, finished, out.diagnosis);
 }
 
 }  // namespace stillpoint::diag

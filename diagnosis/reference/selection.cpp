@@ -1,5 +1,6 @@
 #include "diagnosis/reference/selection.h"
 
+#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 
@@ -9,13 +10,17 @@
 #include "diagnosis/reference/lines.h"
 #include "diagnosis/reference/refine.h"
 #include "diagnosis/reference/unrecorded.h"
+#include "diagnosis/reference/wandering_reference.h"
+#include "simulation/effect_catalogue.h"
 
 namespace stillpoint::diag {
 namespace {
 
 constexpr double kNatsPerCoefficient = 2.0;
-constexpr double kNatsForTheName = 5.0;           // log of the number of laws
-constexpr double kNatsForTheWindow = 8.0;         // log of the number of windows
+constexpr double kNatsForTheName = 5.0;    // log of the number of laws
+constexpr double kNatsForTheWindow = 8.0;  // log of the number of windows
+constexpr double kBeyondUsual =
+    50.0;  // bad parts are 5 times worse than usual ones, and an arm's vibration ten times that
 constexpr double kLeastHeldOut = 1.0;             // nats on data not used for the fit
 constexpr double kLeastShareBesideUnknown = 0.1;  // a product stands for the true law to that much only
 constexpr std::size_t kShortNamed = 6, kShortUnknown = 3, kShortBesideWalk = 3;
@@ -87,6 +92,29 @@ std::vector<Candidate> short_list(const SensorSearch& search, const Judge& judge
   return out;
 }
 
+/// A number beyond anything that parts have is another law's doing, however well it fits.
+bool possible(const SensorSearch& search, const Found& law) {
+  if (law.id.ends_with("_resonance") && law.timing.size() == 2) {
+    // A damping that may as well be none is that of a line, which the reference may have brought in.
+    Target t = search.target;
+    t.residual -= law.offset;
+    const Fit fit = fit_profile(t, joined(search.explained(), law.columns));
+    const Eigen::Index last = fit.theta.size() - 1;
+    return law.timing[1] > 2.0 * std::sqrt(std::max(fit.covariance(last, last), 0.0));
+  }
+  const sim::EffectInfo* info = law.kind == Kind::kNamed ? sim::find_effect(law.id) : nullptr;
+  if (info == nullptr || law.offset.size() || law.columns.empty()) return true;
+  double most = 0.0;
+  for (const auto& p : info->parameters)
+    if (p.symbol == "k" || p.symbol == "S" || p.symbol == "G") most = std::max(most, p.typical_high);
+  if (most == 0.0) return true;
+  const Target t = search.beside_walk();
+  const Fit fit = fit_profile(t, joined(search.explained(), law.columns));
+  const auto p = static_cast<Eigen::Index>(law.columns.size());
+  const Eigen::VectorXd sd = fit.covariance.diagonal().tail(p).cwiseMax(0.0).cwiseSqrt();
+  return ((fit.theta.tail(p).cwiseAbs() - 2.0 * sd).array() < kBeyondUsual * most).all();
+}
+
 bool pays(const SensorSearch& search, const Found& best) {
   const double least_share = search.has_unknown() ? kLeastShareBesideUnknown : kLeastShareOfFirst;
   const bool free_form = best.id.starts_with("unknown:");  // there are more products than laws
@@ -101,6 +129,10 @@ std::optional<Found> chosen(const Signals& s, const SensorSearch& search, const 
     const std::string id = best->id;
     best = adequate(s, search, judge, std::move(*best));
     if (!pays(search, *best)) return std::nullopt;
+    if (!possible(search, *best)) return std::nullopt;  // what comes next would take the same misfit's place
+    if (robust_nats(search, *best) < charge(best->names.size(), best->window)) return std::nullopt;
+    if (best->id.starts_with("unknown:") && !best->window.local && !stands_beside_wandering(s, search, *best))
+      return std::nullopt;
     best = against_the_unrecorded(s, search, judge, std::move(*best));
     if (best) return best;
     std::erase_if(sorted, [&](const Found& f) { return f.id == id; });
@@ -124,6 +156,18 @@ Columns SensorSearch::explained() const {
 
 bool SensorSearch::has_unknown() const {
   return std::any_of(found.begin(), found.end(), [](const Found& f) { return f.kind == Kind::kUnknown; });
+}
+
+double robust_nats(const SensorSearch& search, const Found& law) {
+  if (law.offset.size() || law.columns.empty()) return law.gain_nats;
+  const Target t = search.beside_walk();
+  const Columns columns = joined(search.explained(), law.columns);
+  const Fit fit = fit_profile(t, columns);
+  const Eigen::MatrixXd all = robust_covariance(t, columns, NoiseModel(t.layout, fit.leftover), fit.walk_q);
+  if (all.size() == 0) return law.gain_nats;
+  const auto p = static_cast<Eigen::Index>(law.columns.size());
+  const Eigen::VectorXd theta = fit.theta.tail(p);
+  return std::min(law.gain_nats, 0.5 * theta.dot(all.bottomRightCorner(p, p).ldlt().solve(theta)));
 }
 
 double charge(std::size_t coefficients, const Window& window) {
@@ -166,6 +210,7 @@ SensorSearch start_search(const Signals& s, Sensor sensor, const std::vector<std
                        [&](const Law& law) { return law.id == product.form_of; });
   });
   search.walk = walk_basis(s);
+  search.walk_is_given = s.triad[sensor].random_walk_per_sqrts > 0 || s.triad[sensor].bias_instability > 0;
   search.t_s = s.t_s;
   return search;
 }
@@ -179,7 +224,7 @@ std::optional<Found> next_effect(const Signals& s, SensorSearch& search) {
   const bool responded = responds(search);
   std::vector<Found> refined;
   if (!responded) refined = refine_timing(s, search, shortlist, noise);
-  if (const auto line = line_in(search); line && !holds(search.deleted, line->id)) refined.push_back(*line);
+  if (const auto line = line_in(s, search); line && !holds(search.deleted, line->id)) refined.push_back(*line);
   for (Candidate c : shortlist) {
     const Law& law = search.law(c.law);
     if (law.kind == Kind::kTiming || (responded && is_response(law.id))) continue;

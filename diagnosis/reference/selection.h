@@ -46,6 +46,7 @@ struct SensorSearch {
   double first_gain = 0.0;
   Eigen::MatrixXd walk;  ///< the basis of a random walk
   Series t_s;
+  bool walk_is_given = false;  ///< the simulation has a slow random process of its own here: no discovery, no charge
   [[nodiscard]] Target beside_walk() const;
   [[nodiscard]] Columns explained() const;
   [[nodiscard]] bool has_unknown() const;
@@ -58,6 +59,10 @@ struct SensorSearch {
 /// What a name has to gain beyond the freedom of the search before it is stated; and beside something - an effect found
 /// before, a drift - that leaves over what is no noise.
 inline constexpr double kLeastNet = 1.5, kLeastNetBeside = 3.0;
+
+/// Nats that the coefficients of a linear law are worth by the scatter of what each second says of them; the law's gain
+/// where too few seconds speak.
+[[nodiscard]] double robust_nats(const SensorSearch& search, const Found& law);
 
 /// Of the largest gain in the sensor: the remainder of a large effect must not get a name of its own.
 inline constexpr double kLeastShareOfFirst = 0.02;

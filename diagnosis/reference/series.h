@@ -30,6 +30,16 @@ Series filled(Eigen::Index n, Get get) {
   return x;
 }
 
+/// Of so many rows each; what is left at the end is dropped.
+template <class Matrix>
+Matrix means_of_rows(const Matrix& x, Eigen::Index factor) {
+  if (x.rows() == 0) return x;
+  const Eigen::Index n = x.rows() / factor;
+  Matrix out = Matrix::Zero(n, x.cols());
+  for (Eigen::Index i = 0; i < n; ++i) out.row(i) = x.middleRows(i * factor, factor).colwise().mean();
+  return out;
+}
+
 [[nodiscard]] Series3 filled3(const std::vector<Vec3>& column);
 
 /// Over `half` neighbours on either side, fewer at the ends: symmetric, so a slope is not shifted.

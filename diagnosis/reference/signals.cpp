@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "diagnosis/foreign/alignment.h"
 #include "diagnosis/reference/band_limit.h"
 #include "diagnosis/reference/prediction.h"
 #include "diagnosis/reference/response.h"
@@ -67,6 +68,8 @@ void read_drivers(Signals& s, const io::Recording& recording) {
   if (s.temperature_K.size()) s.temperature_K = moving_mean(s.temperature_K, static_cast<Eigen::Index>(0.5 / s.dt_s));
   s.current_A = read(recording.current_A, 0.0);
   s.voltage_V = read(recording.supply_V, 0.0);
+  for (const auto& [name, column] : recording.user_columns)
+    if (Series x = read(column, 0.0); x.size()) s.user[name] = std::move(x);
 }
 
 /// At rest nothing moves: there the vector is one value a rest, or the sensor's own noise would stand in residual and
@@ -96,12 +99,14 @@ void choose_vectors(Signals& s) {
     if (s.has_position) s.position_m = limited(s.position_m);
   }
   for (int k = 0; k < kSensors; ++k) {
-    const bool predicted = s.exact_reference || !s.present[k] || k == kMag;
+    const bool predicted = s.exact_reference || !s.present[k] || k == kMag || s.from_log;
     s.vector[k] = predicted ? s.predicted[k] : s.reading[k];
-    if (!s.exact_reference && k != kMag) s.vector[k] = limited(s.vector[k]);
+    if (!s.exact_reference && (k != kMag || s.from_log)) s.vector[k] = limited(s.vector[k]);
   }
   if (!s.exact_reference) {
     hold_at_rest(s);
+  }
+  if (!s.exact_reference && !s.from_log) {
     // Of the same turns as the world's axes: where the two differ by their noise only, a field of the world that is
     // nothing but that noise would be fitted to it.
     s.vector[kMag].setZero();
@@ -116,10 +121,24 @@ void choose_vectors(Signals& s) {
   }
 }
 
+/// What another simulator says that the sensors read takes the place of what the reference predicts.
+void take_prediction(Signals& s, const AlignedLog& log) {
+  constexpr double kSeenOverNoise = 0.05;  // of the log's own noise beside the recording's
+  s.from_log = s.exact_reference = true;
+  for (const Sensor k : {kAcc, kGyr, kMag}) {
+    s.present[k] = s.present[k] && log.reading[k].rows() == s.n;
+    if (!s.present[k]) continue;
+    s.predicted[k] = log.reading[k];
+    s.exact_reference = s.exact_reference && log.noise_sd[k] < kSeenOverNoise * s.noise_sd[k];
+    for (std::size_t i = 0; i < log.outside.size(); ++i)
+      if (log.outside[i]) s.muted[k][i] = 1;
+  }
+}
+
 }  // namespace
 
 Result<Signals> make_signals(const io::Recording& recording, const sim::SimulationConfig& simulation,
-                             const std::array<Mask, kSensors>& muted) {
+                             const std::array<Mask, kSensors>& muted, const AlignedLog* log) {
   Signals s;
   s.n = static_cast<Eigen::Index>(recording.size());
   s.dt_s = s.rows.step_s = even_step_s(recording);
@@ -140,11 +159,12 @@ Result<Signals> make_signals(const io::Recording& recording, const sim::Simulati
   s.has_position = !recording.ref_position_m.empty();
   if (!s.has_orientation) return s;
   predict(s, recording);
+  if (log != nullptr) take_prediction(s, *log);
   for (int k = 0; k < kSensors; ++k) {
     if (!s.present[k]) continue;
     s.residual[k] = s.reading[k] - s.predicted[k];
     mute_ends(s.muted[k], s.n, std::max<Eigen::Index>(2 * kStencilReach, static_cast<Eigen::Index>(kEnds_s / s.dt_s)));
-    if (k != kAcc || s.has_position) continue;
+    if (k != kAcc || s.has_position || s.from_log) continue;
     for (std::size_t i = 0; i < s.rest.size();
          ++i)  // without a position, only rest says what the accelerometer should read
       if (!s.rest[i]) s.muted[k][i] = 1;

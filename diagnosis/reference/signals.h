@@ -3,6 +3,7 @@
 #pragma once
 #include <Eigen/Core>
 #include <array>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -14,6 +15,8 @@
 #include "simulation/config.h"
 
 namespace stillpoint::diag {
+
+struct AlignedLog;
 
 inline constexpr int kSensors = 3;
 inline constexpr double kMotionBand_Hz = 20.0;  ///< hands, limbs and vehicles move below this, tremor included
@@ -27,6 +30,7 @@ struct Signals {
   double start_s = 0.0;  ///< time of the first sample, of the recording's own clock
   Series t_s;            ///< from the start of the recording
   bool has_orientation = false, has_position = false;
+  bool from_log = false;         ///< predicted is what another simulator says
   bool exact_reference = false;  ///< its jitter at rest and its rounding are far below what would disturb the residual
   bool has_rest = false;
   double reference_jitter_rad = 0.0;
@@ -48,6 +52,7 @@ struct Signals {
   Series temperature_K, current_A,
       voltage_V;      ///< empty: not recorded. Temperature relative to 25 degC, smoothed over 1 s
   Series3 vibration;  ///< <f_hf^2> of the catalogue, (m/s^2)^2; empty: sampled too slowly, or no vibration there
+  std::map<std::string, Series> user;  ///< further columns of the recording, by their names
   Mask rest;
   std::vector<std::string> notices;
 
@@ -57,9 +62,10 @@ struct Signals {
 inline constexpr double kReferenceTemperature_degC = 25.0;
 
 /// Pre: the recording has at least 2 rows. Fails (65) when nothing of it can be compared: no sensor of the simulation
-/// in it. `muted` comes from the forensics, one mask a sensor, empty for none.
+/// in it. `muted` comes from the forensics, one mask a sensor, empty for none. `log`: takes the place of what the
+/// reference predicts.
 [[nodiscard]] Result<Signals> make_signals(const io::Recording& recording, const sim::SimulationConfig& simulation,
-                                           const std::array<Mask, kSensors>& muted);
+                                           const std::array<Mask, kSensors>& muted, const AlignedLog* log = nullptr);
 
 /// Means of `factor` neighbours, for recordings sampled far faster than anything moves. Noise stays white under it.
 [[nodiscard]] Signals thinned(const Signals& s, Eigen::Index factor);

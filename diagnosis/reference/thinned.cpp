@@ -3,19 +3,11 @@
 namespace stillpoint::diag {
 namespace {
 
-template <class Matrix>
-Matrix means(const Matrix& x, Eigen::Index factor) {
-  if (x.rows() == 0) return x;
-  const Eigen::Index n = x.rows() / factor;
-  Matrix out = Matrix::Zero(n, x.cols());
-  for (Eigen::Index i = 0; i < n; ++i) out.row(i) = x.middleRows(i * factor, factor).colwise().mean();
-  return out;
-}
-
-/// Means over the samples that are measurements; where a group has none, over all of it (it is muted then).
+/// Means over the samples that are measurements; where a group has none, over all of it (it is muted then). A sensor
+/// that the recording lacks has a prediction and no mask.
 Series3 means_of_measured(const Series3& x, const Mask& muted, Eigen::Index factor) {
-  Series3 out = means(x, factor);
-  if (x.rows() == 0) return out;
+  Series3 out = means_of_rows(x, factor);
+  if (muted.empty()) return out;
   for (Eigen::Index i = 0; i < out.rows(); ++i) {
     Vec3 sum = Vec3::Zero();
     double count = 0;
@@ -41,15 +33,16 @@ Signals thinned(const Signals& s, Eigen::Index factor) {
   Signals out = s;
   out.n = s.n / factor;
   out.dt_s = out.rows.step_s = s.dt_s * static_cast<double>(factor);
-  out.rows.t_s = means(s.rows.t_s, factor);
-  out.t_s = means(s.t_s, factor);
+  out.rows.t_s = means_of_rows(s.rows.t_s, factor);
+  out.t_s = means_of_rows(s.t_s, factor);
   for (auto* group : {&out.reading, &out.predicted, &out.residual})
     for (std::size_t k = 0; k < group->size(); ++k) (*group)[k] = means_of_measured((*group)[k], s.muted[k], factor);
   for (auto* group : {&out.vector, &out.world_axis})
-    for (Series3& x : *group) x = means(x, factor);
+    for (Series3& x : *group) x = means_of_rows(x, factor);
   for (Series3* x : {&out.rate, &out.rate_dot, &out.position_m, &out.vibration, &out.given_rate})
-    *x = means(*x, factor);
-  for (Series* x : {&out.temperature_K, &out.current_A, &out.voltage_V}) *x = means(*x, factor);
+    *x = means_of_rows(*x, factor);
+  for (Series* x : {&out.temperature_K, &out.current_A, &out.voltage_V}) *x = means_of_rows(*x, factor);
+  for (auto& [name, x] : out.user) x = means_of_rows(x, factor);
   for (Mask& m : out.muted) m = merged(m, factor);
   out.rest = merged(s.rest, factor);
   return out;

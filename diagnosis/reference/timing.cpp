@@ -13,6 +13,7 @@ constexpr int kGaussNewtonSteps = 6;
 constexpr double kLikeness_s = 0.04;
 constexpr Eigen::Index kNeighbours = 3;
 constexpr std::size_t kStartsRefined = 2;
+constexpr double kLeastDamping = 0.004;  // a fifth of what mounts and glued parts have (docs/effects.md, A12)
 
 /// What a sensor with this response shows beyond the truth. When the truth is the sensor itself (a noisy reference),
 /// the response is undone instead: u - u / h.
@@ -69,7 +70,7 @@ std::vector<TimingLaw> make_timing_laws(const Signals& s, Sensor k, Eigen::Index
     for (const double f : {15.0, 30.0}) resonance.starts.push_back(Eigen::Vector2d(std::min(f, 0.4 / s.dt_s), 0.1));
     const double lowest = 6.0;
     resonance.possible = [lowest](const Eigen::VectorXd& p) {
-      return p[0] > lowest && p[0] < 2000 && p[1] > 0.0 && p[1] < 0.5;
+      return p[0] > lowest && p[0] < 2000 && p[1] > kLeastDamping && p[1] < 0.5;
     };
     resonance.delta = [&s, k](const Eigen::VectorXd& p) { return beyond_truth(s, k, resonance_response(p[0], p[1])); };
     if (k == kAcc) laws.push_back(std::move(resonance));

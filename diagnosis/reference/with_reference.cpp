@@ -5,9 +5,11 @@
 #include <algorithm>
 #include <cmath>
 
+#include "diagnosis/discovery/discover.h"
 #include "diagnosis/reference/apparatus.h"
 #include "diagnosis/reference/findings.h"
 #include "diagnosis/reference/given_effects.h"
+#include "diagnosis/reference/surplus.h"
 #include "diagnosis/reference/twins.h"
 #include "diagnosis/summary.h"
 
@@ -80,7 +82,9 @@ bool shows_in_raw_values(const std::string& id) {
 Verdict verdict_of(const Diagnosis& d) {
   std::size_t unknown = 0;
   for (const Finding& f : d.findings) unknown += f.effect.rfind("unknown", 0) == 0 ? 1 : 0;
-  if (d.findings.empty()) return Verdict::kNoMismatch;
+  if (d.findings.empty() && !d.surplus.empty()) return Verdict::kSurplusPhysics;
+  if (d.findings.empty())
+    return d.configuration.empty() && d.noise.empty() ? Verdict::kNoMismatch : Verdict::kWrongNumbers;
   if (unknown == 0) return Verdict::kExplained;
   return unknown == d.findings.size() ? Verdict::kUnexplained : Verdict::kPartlyExplained;
 }
@@ -115,10 +119,11 @@ std::vector<Sensor> speaking_order(const EngineResult& engine) {
 
 }  // namespace
 
-Answer diagnose_with_reference(const io::Recording& recording, const sim::SimulationConfig& simulation,
+Answer diagnose_with_reference(const ReferencedRows& rows, const sim::SimulationConfig& simulation,
                                const Forensics& forensics, const std::vector<std::string>& without, std::size_t twins,
                                const std::function<void(double)>& progress, Answer answer) {
-  Result<Signals> made = make_signals(recording, simulation, masks(forensics));
+  const io::Recording& recording = rows.recording;
+  Result<Signals> made = make_signals(recording, simulation, masks(forensics), rows.log);
   if (!made) return insufficient(made.error().message, std::move(answer));
   Signals& s = *made;
   if (s.duration_s() < kShortest_s)
@@ -126,15 +131,19 @@ Answer diagnose_with_reference(const io::Recording& recording, const sim::Simula
         fmt::format("{:.1f} s of recording are too short; record at least {:.0f} s", s.duration_s(), kShortest_s),
         std::move(answer));
   if (!enough_to_compare(s)) return insufficient(s.notices.back(), std::move(answer));
-  for (const std::string& id : subtract_effects(s, simulation.effects))
+  mute_lattice_at_rest(s, forensics);
+  const std::vector<sim::EffectConfig> given = without_surplus(s, simulation.effects, answer);
+  for (const std::string& id : subtract_effects(s, given))
     if (!shows_in_raw_values(id))
       answer.diagnosis.notices.push_back(
           fmt::format("effect {} of the simulation cannot be predicted from the recording; left in", id));
-  mute_lattice_at_rest(s, forensics);
   compare_noise(s, answer);
   answer.diagnosis.findings = forensics.findings;
   answer.effects = forensics.effects;
-  find_reference_error(s, recording, simulation, answer);
+  if (rows.log == nullptr) find_reference_error(s, recording, simulation, answer);
+  // Between its frames a noisy reference knows nothing of its own: the rows of one frame are one.
+  const auto a_frame = static_cast<Eigen::Index>(rows.rows_a_frame);
+  if (a_frame > 1 && !s.exact_reference) s = thinned(s, a_frame);
   find_frame(s, simulation, answer);
   find_jitter(s, simulation, answer);
   const auto factor =
@@ -143,13 +152,19 @@ Answer diagnose_with_reference(const io::Recording& recording, const sim::Simula
   EngineResult engine = search_all(s, without, progress);
   if (twins > 0)
     for (auto& line : gate_by_twins(s, engine, twins)) answer.diagnosis.notices.push_back(std::move(line));
+  discover(s, engine);
   const std::size_t kept = answer.diagnosis.findings.size();
   for (const Sensor k : speaking_order(engine))
-    if (engine.sensor[k]) report_sensor(s, engine, k, simulation.effects, answer);
+    if (engine.sensor[k]) report_sensor(s, engine, k, given, answer);
+  for (const Sensor k : {kAcc, kGyr, kMag})
+    if (engine.sensor[k]) report_surplus_walk(*engine.sensor[k], s, given, answer);
+  keep_what_was_right(simulation.effects, answer);
   std::stable_sort(answer.diagnosis.findings.begin() + static_cast<std::ptrdiff_t>(kept),
                    answer.diagnosis.findings.end(),
                    [](const Finding& a, const Finding& b) { return a.held_out.gain_nats > b.held_out.gain_nats; });
   drop_traces_of_lattices(s, forensics, answer.diagnosis.findings);
+  std::stable_partition(answer.diagnosis.findings.begin(), answer.diagnosis.findings.end(),
+                        [](const Finding& f) { return !f.effect.ends_with("_quant"); });  // removes nothing: last
   for (const auto& n : s.notices) answer.diagnosis.notices.push_back(n);
   std::sort(answer.diagnosis.ranking.begin(), answer.diagnosis.ranking.end(),
             [](const RankedHypothesis& a, const RankedHypothesis& b) { return a.gain_nats > b.gain_nats; });

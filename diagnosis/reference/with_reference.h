@@ -10,9 +10,17 @@
 
 namespace stillpoint::diag {
 
+struct AlignedLog;
+
+struct ReferencedRows {
+  const io::Recording& recording;
+  std::size_t rows_a_frame = 1;     ///< of a reference that was drawn between its frames (sanity/rows_with_reference.h)
+  const AlignedLog* log = nullptr;  ///< of another simulator, in the reference's place; none where nullptr
+};
+
 /// `answer` carries the notices so far; findings, verdict and summary are added. Insufficient data where nothing can be
 /// compared, the reason in the notices. The other arguments are those of diagnose().
-[[nodiscard]] Answer diagnose_with_reference(const io::Recording& recording, const sim::SimulationConfig& simulation,
+[[nodiscard]] Answer diagnose_with_reference(const ReferencedRows& rows, const sim::SimulationConfig& simulation,
                                              const Forensics& forensics, const std::vector<std::string>& without,
                                              std::size_t twins, const std::function<void(double)>& progress,
                                              Answer answer);

@@ -44,6 +44,12 @@
     add('driver-' + k, [order.map((i) => f.driver[i]), order.map((i) => f.at_driver[i]), order.map((i) => f.law[i])],
         [dots('residual', '--before'), line('law', '--accent', { width: 2 })],
         [axis(shortened(f.driver_label)), axis(f.channel + ', ' + f.unit)], { scales: { x: { time: false } } });
+    f.each.forEach((a, i) => {
+      const by = a.x.map((_, j) => j).sort((p, q) => a.x[p] - a.x[q]);
+      add('each-' + k + '-' + i, [by.map((j) => a.x[j]), by.map((j) => a.before[j]), by.map((j) => a.after[j])],
+          [dots('before', '--before'), dots('after', '--after')],
+          [axis(shortened(a.label)), axis(f.channel + ', ' + f.unit)], { scales: { x: { time: false } } });
+    });
     const lags = f.acf_before.map((_, i) => i);
     const band = lags.map(() => f.acf_band), under = lags.map(() => -f.acf_band);
     add('acf-' + k, [lags, f.acf_before, f.acf_after, band, under],

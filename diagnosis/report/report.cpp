@@ -6,15 +6,13 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "diagnosis/report/discovery.h"
+#include "diagnosis/report/embedded.h"
 #include "diagnosis/report/svg.h"
 #include "diagnosis/summary.h"
 #include "simulation/effect_catalogue.h"
 
 namespace stillpoint::diag {
-
-namespace embedded {  // made at build time from the files of these names
-extern const char uPlot_iife_min_js[], uPlot_min_css[], page_css[], page_js[];
-}
 
 namespace {
 
@@ -24,6 +22,10 @@ const char* verdict_words(Verdict v) {
   switch (v) {
     case Verdict::kNoMismatch:
       return "No mismatch";
+    case Verdict::kWrongNumbers:
+      return "Wrong numbers in the simulation";
+    case Verdict::kSurplusPhysics:
+      return "Physics in the simulation that the recording has not";
     case Verdict::kExplained:
       return "Mismatch found and explained";
     case Verdict::kPartlyExplained:
@@ -110,8 +112,10 @@ std::string figures(const FindingFigures& f, std::size_t k) {
 }
 
 std::string confidence_words(const Finding& f) {
-  const std::string p = f.p_value < 1e-40 ? "p &lt; 1e-40" : fmt::format("p = {:.1e}", f.p_value);
-  return f.confidence > 0.999 ? "above 0.999; " + p : fmt::format("{:.3g}; {}", f.confidence, p);
+  const std::string p = !f.p_value           ? "no p-value computed"
+                        : *f.p_value < 1e-40 ? "p &lt; 1e-40"
+                                             : fmt::format("p = {:.1e}", *f.p_value);
+  return f.confidence ? fmt::format("{:.2g}; {}", *f.confidence, p) : p;
 }
 
 std::string finding_card(const Finding& f, std::size_t k) {
@@ -130,7 +134,8 @@ std::string finding_card(const Finding& f, std::size_t k) {
   if (!f.equivalent.empty()) row("cannot be told from", joined(f.equivalent));
   if (!f.runner_up_effect.empty()) row("runner-up", escaped(f.runner_up_effect + ": " + f.runner_up_why_rejected));
   row("would decide", escaped(f.decided_by));
-  return s + "</table>" + parameter_table(f) + held_out_line(f.held_out) + figures(f.figures, k) + "</section>";
+  return s + "</table>" + parameter_table(f) + held_out_line(f.held_out) + discovery_html(f, k) +
+         figures(f.figures, k) + "</section>";
 }
 
 std::string baseline_tables(const Diagnosis& d) {
@@ -170,6 +175,9 @@ std::string next_steps(const Diagnosis& d, const ReportContext& context) {
     s += "<p>Put the physics into the simulation, then run <code>stillpoint diagnose</code> again: it must find no "
          "mismatch.</p><pre><code>" +
          escaped(context.blocks_to_paste) + "</code></pre>";
+  for (const CodeBlock& c : context.code)
+    s += fmt::format("<details><summary>{}</summary><pre><code>{}</code></pre></details>", escaped(c.title),
+                     escaped(c.text));
   std::string items;
   for (const auto& f : d.findings)
     if (!f.decided_by.empty())
@@ -199,6 +207,7 @@ nlohmann::json figure_data(const Diagnosis& d) {
                    {"acf_before", f.autocorrelation_before},
                    {"acf_after", f.autocorrelation_after},
                    {"acf_band", f.autocorrelation_band},
+                   {"each", discovery_data(finding)},
                    {"channel", f.channel},
                    {"unit", f.unit}});
   }

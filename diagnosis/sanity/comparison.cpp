@@ -7,6 +7,7 @@
 #include <array>
 #include <cmath>
 
+#include "core/directions.h"
 #include "core/so3.h"
 #include "diagnosis/median.h"
 
@@ -66,7 +67,7 @@ double Comparison::force_angle(const Convention& to_enu, bool with_position) con
   std::vector<double> angles;
   each_row([&](std::size_t i) {
     Vec3 measured, predicted;
-    if (force(i, to_enu, with_position, measured, predicted)) angles.push_back(angle(measured, predicted));
+    if (force(i, to_enu, with_position, measured, predicted)) angles.push_back(angle_rad(measured, predicted));
   });
   return angles.size() < kLeastAngles ? -1.0 : median(std::move(angles));
 }
@@ -75,19 +76,24 @@ double Comparison::field_angle() const {
   std::vector<double> angles;
   each_row([&](std::size_t i) {
     Vec3 measured, predicted;
-    if (field(i, measured, predicted)) angles.push_back(angle(measured, predicted));
+    if (field(i, measured, predicted)) angles.push_back(angle_rad(measured, predicted));
   });
   return angles.size() < kLeastAngles ? -1.0 : median(std::move(angles));
 }
 
 double Comparison::rate_agreement(const Convention& to_enu) const {
-  std::array<double, kParts> residual{}, total{};
+  std::array<double, kParts> residual{}, total{}, rows{};
+  std::array<Vec3, kParts> offset{Vec3::Zero(), Vec3::Zero(), Vec3::Zero(), Vec3::Zero()};
   each_row([&](std::size_t i) {
     Vec3 measured, predicted;
     if (!rate(i, to_enu, measured, predicted)) return;
     const std::size_t part = i * kParts / r_.size();
     residual[part] += (measured - predicted).squaredNorm(), total[part] += measured.squaredNorm();
+    offset[part] += measured - predicted, rows[part] += 1.0;
   });
+  // An offset, even one that grows, is no wrong convention.
+  for (std::size_t part = 0; part < kParts; ++part)
+    if (rows[part] > 0) residual[part] -= offset[part].squaredNorm() / rows[part];
   double best = -1.0;
   bool any = false;
   for (std::size_t part = 0; part < kParts; ++part)

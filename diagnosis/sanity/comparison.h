@@ -64,7 +64,6 @@ class Comparison {
 
   [[nodiscard]] std::size_t first() const { return stencil_; }
   [[nodiscard]] std::size_t stride() const { return stride_; }
-  static double angle(const Vec3& a, const Vec3& b) { return std::atan2(a.cross(b).norm(), a.dot(b)); }
 
  private:
   template <class F>

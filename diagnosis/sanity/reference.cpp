@@ -3,6 +3,7 @@
 
 #include <cmath>
 
+#include "core/directions.h"
 #include "diagnosis/sanity/reference_checks.h"
 #include "diagnosis/sanity/units.h"
 
@@ -35,12 +36,12 @@ void check_heading(const Comparison& c, const sim::SimulationConfig& config, San
   if (out.unusable[kMag]) return;
   const auto mean = c.field_in_world();
   const Vec3& field = config.field_world_uT;
-  if (!mean || mean->norm() < 0.7 * field.norm() || Comparison::angle(*mean, field) < 0.5) return;
+  if (!mean || mean->norm() < 0.7 * field.norm() || angle_rad(*mean, field) < 0.5) return;
   out.set_aside(
       kMag, fmt::format(
                 "mag: in the world of the reference the field is ({:.1f}, {:.1f}, {:.1f}) uT, {:.0f} degrees from the "
                 "simulation's field_world_uT: set that field, or turn the reference to ENU",
-                mean->x(), mean->y(), mean->z(), Comparison::angle(*mean, field) * kDegrees));
+                mean->x(), mean->y(), mean->z(), angle_rad(*mean, field) * kDegrees));
 }
 
 /// A field that does not turn with the body is not measured on it. Offsets, however large, do not matter here.

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "diagnosis/sanity/frames.h"
+#include "diagnosis/sanity/frames_between.h"
 #include "diagnosis/sanity/readings.h"
 #include "diagnosis/sanity/rows.h"
 
@@ -61,10 +62,12 @@ io::Recording rows_of_the_sensors(const io::Recording& r) {
 
 }  // namespace
 
-std::optional<io::Recording> rows_with_reference(const io::Recording& given, std::vector<std::string>& notices) {
+RowsWithReference rows_with_reference(const io::Recording& given, std::vector<std::string>& notices) {
   io::Recording r = given;
-  const std::vector<bool> filled = filled_in(r);
+  const DrawnRows lines = rows_drawn_between_frames(r);
+  std::vector<bool> filled = filled_in(r);
   const auto held = std::count(filled.begin(), filled.end(), true);
+  for (std::size_t i = 0; i < lines.drawn.size(); ++i) filled[i] = filled[i] || lines.drawn[i];
   for (std::size_t i = 0; i < r.size(); ++i) {
     if (!filled[i]) continue;
     r.ref_q_world_body[i].setConstant(io::kMissing);
@@ -73,13 +76,13 @@ std::optional<io::Recording> rows_with_reference(const io::Recording& given, std
   const detail::Frames<Eigen::Vector4d> turns(r, r.ref_q_world_body);
   const detail::Frames<Vec3> places(r, r.ref_position_m);
   r = rows_of_the_sensors(r);
-  bool changed = held > 0 || r.size() < given.size();
+  bool changed = held > 0 || lines.rows_a_frame > 1 || r.size() < given.size();
   if (auto even = with_lost_rows(r)) r = std::move(*even), changed = true;
   if (turns.rate_hz() >= kSlowestFrames_Hz) {
     changed = turns.fill(r, r.ref_q_world_body) || changed;
     changed = places.fill(r, r.ref_position_m) || changed;
   }
-  if (!changed) return std::nullopt;
+  if (!changed) return {};
   if (held > 0)
     notices.push_back(
         fmt::format("reference: in {} rows it repeats itself while the body turns; those values are taken out", held));
@@ -88,8 +91,9 @@ std::optional<io::Recording> rows_with_reference(const io::Recording& given, std
     notices.push_back(fmt::format("reference: {:.4g} frames a second beside {:.4g} rows of the sensors; {}",
                                   turns.rate_hz(), rows_hz,
                                   turns.rate_hz() < kSlowestFrames_Hz ? "too few to know the motion between them"
-                                                                      : "interpolated between its frames"));
-  return r;
+                                  : lines.rows_a_frame > 1 ? "drawn as lines between its frames, which count alone"
+                                                           : "interpolated between its frames"));
+  return {std::move(r), lines.rows_a_frame};
 }
 
 }  // namespace stillpoint::diag

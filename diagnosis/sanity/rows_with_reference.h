@@ -9,12 +9,16 @@
 
 namespace stillpoint::diag {
 
+struct RowsWithReference {
+  std::optional<io::Recording> changed;  ///< none: the recording as it was
+  std::size_t rows_a_frame = 1;          ///< where the reference was drawn between slower frames
+};
+
 /// The recording with its lost rows put back as empty ones (with_lost_rows), without rows that hold a reference and no
 /// reading of an inertial sensor, and with the reference interpolated between its frames: by Lagrange's polynomial
 /// through up to eight on either side, as many as the differences take later. Values that repeat the row before while
-/// the body turns are no frames. Where frames were lost, and at the ends, the fields stay empty. None when nothing
-/// changes; a notice where the reference is slower than the rows.
-[[nodiscard]] std::optional<io::Recording> rows_with_reference(const io::Recording& recording,
-                                                               std::vector<std::string>& notices);
+/// the body turns are no frames, and neither are rows drawn as a line between two frames (frames_between.h). Where
+/// frames were lost, and at the ends, the fields stay empty. A notice where the reference is slower than the rows.
+[[nodiscard]] RowsWithReference rows_with_reference(const io::Recording& recording, std::vector<std::string>& notices);
 
 }  // namespace stillpoint::diag

@@ -54,24 +54,25 @@ TEST(Adequacy, ALagThatIsNotInTheLibraryIsNotCalledASquare) {
     const auto recording =
         record(config, "gyr_temp_lag", {{"k_radps_per_K", {4e-4, -2e-4, 1e-4}}, {"tau_s", {12.0}}}, seed);
     EXPECT_THAT(names(diagnose(recording, config)), testing::ElementsAre("gyr_temp_lag")) << seed;
-    EXPECT_THAT(names(diagnose(recording, config, {"gyr_temp_lag"})),
-                testing::AllOf(testing::SizeIs(1), testing::Each(testing::StartsWith("unknown:"))))
-        << seed;
+    // A course over time that nothing recorded drives need not hold on motion left out of the fit: then nothing is
+    // named.
+    const auto without = diagnose(recording, config, {"gyr_temp_lag"});
+    EXPECT_THAT(names(without), testing::Each(testing::StartsWith("unknown:"))) << seed;
+    EXPECT_LE(names(without).size(), 1U) << seed;
   }
 }
 
 class LawAdequate : public testing::TestWithParam<std::string> {};
 INSTANTIATE_TEST_SUITE_P(Adequacy, LawAdequate, testing::Values("exact", "mocap"));
 
-TEST_P(LawAdequate, ALawThatBendsWhereTheCatalogueIsStraightIsAFreeFunctionOfItsDriver) {
+TEST_P(LawAdequate, ALawThatBendsWhereTheCatalogueIsStraightIsFoundAsAFormulaOfItsDriver) {
   const auto config = warm(GetParam());
   auto recording = record(config, "", {}, 22);
   for (std::size_t i = 0; i < recording.size(); ++i)
     recording.mag_uT[i] += std::sqrt(std::abs(recording.current_A[i])) * Vec3(1.0, -0.7, 0.4);
   const Answer answer = diagnose(recording, config);
   ASSERT_FALSE(answer.diagnosis.findings.empty());
-  EXPECT_EQ(answer.diagnosis.findings[0].effect, "unknown:h(I)");
-  EXPECT_THAT(answer.diagnosis.findings[0].driver, testing::HasSubstr("current"));
+  EXPECT_EQ(answer.diagnosis.findings[0].effect, "unknown:abs(I)^0.5");
 }
 
 TEST_P(LawAdequate, TwoLawsOfOneDriverKeepTheirNames) {

@@ -90,6 +90,13 @@ TEST(Forensics, DoesNotTakeFloat32ForQuantisation) {
   EXPECT_EQ(names(examine_raw_values(r, baseline())), Names{});
 }
 
+TEST(Forensics, TakesTheFewValuesOfALatticeAtRestForNoRail) {
+  const auto r = hand_motion(6, [](Sensor s, int, std::size_t i, double v) {
+    return s == kGyr ? 0.0137 * (static_cast<double>(i * i % 7 % 3) - 1.0) : v;
+  });
+  for (const std::string& name : names(examine_raw_values(r, baseline()))) EXPECT_NE(name, "gyr_sat");
+}
+
 TEST(Forensics, FindsTheStepOfAQuantisedSensorEvenBelowItsNoise) {
   for (const double lsb : {0.0137, 0.00023}) {
     const auto r = hand_motion(

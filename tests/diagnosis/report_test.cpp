@@ -71,6 +71,26 @@ TEST(Report, RanksEachLawOnce) {
   EXPECT_THAT(html, HasSubstr(">mag_cubic<"));
 }
 
+/// Without what else was weighed, a formula is a claim; without the panels nobody sees what is still missing.
+TEST(Report, ShowsWhatADiscoveredLawWasWeighedAgainst) {
+  Diagnosis d = example();
+  Finding& f = d.findings[0];
+  f.effect = "unknown:norm(w) * (T - 25)";
+  f.weighed = {
+      {"norm(w) * (T - 25)", 31, 512, 480}, {"norm(w)", 12, 95, 80}, {"norm(w) * (T - 25) * f_x", 44, 515, 470}};
+  f.figures.against_each = {{"T, degC", {20, 30}, {1, 2}, {0, 0}}};
+  const auto html = report_html(d, {.recording = "",
+                                    .simulation = "",
+                                    .validation = "",
+                                    .blocks_to_paste = "",
+                                    .code = {{"law_1.py", "def law_1(t, w, T): return a < b"}}});
+  for (const char* text :
+       {"shorter; explains 417 nats less", "longer; explains 3 nats more, which do not pay for it", "<b>stated</b>",
+        "heating of the drive loop", "id=\"each-0-0\"", "T, degC", "law_1.py", "return a &lt; b"})
+    EXPECT_THAT(html, HasSubstr(text));
+  EXPECT_THAT(report_html(example(), {}), Not(HasSubstr("weighed against")));
+}
+
 TEST(Report, CannotBeBrokenByTextFromTheRecording) {
   const auto html = report_html(
       example(), {.recording = "<img onerror=x>.csv", .simulation = "b", .validation = "", .blocks_to_paste = ""});

@@ -43,6 +43,14 @@ TEST(Thinned, TakesItsMeansFromMeasurementsOnly) {
   EXPECT_LT(t.residual[kMag].row(middle).norm(), 5.0);
 }
 
+TEST(Thinned, WorksWithoutAMagnetometer) {
+  auto r = record();
+  r.mag_uT.clear();
+  const auto s = make_signals(r, baseline(), {});
+  ASSERT_TRUE(s);
+  EXPECT_EQ(thinned(*s, 4).predicted[kMag].rows(), s->predicted[kMag].rows() / 4);
+}
+
 TEST(Signals, MutesWhereTheReferenceWasLost) {
   auto r = record();
   for (std::size_t i = 3000; i < 3100; ++i) r.ref_q_world_body[i].setConstant(io::kMissing);

@@ -64,7 +64,7 @@ TEST(SlowReference, IsInterpolatedBetweenItsFramesAndNotAcrossABreak) {
   for (std::size_t i = 1000; i < 1050; ++i) forget(slow, i);
   for (std::size_t i = 0; i < slow.size(); i += 6) slow.ref_q_world_body[i] *= -1.0;
   std::vector<std::string> notices;
-  const auto out = rows_with_reference(slow, notices);
+  const auto out = rows_with_reference(slow, notices).changed;
   ASSERT_TRUE(out);
   EXPECT_THAT(notices, ElementsAre(HasSubstr("25 frames a second beside 50 rows")));
   ASSERT_EQ(out->size(), whole.size());

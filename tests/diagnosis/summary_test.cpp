@@ -34,7 +34,7 @@ TEST(Summary, SaysThatTheNoiseIsNotAsConfigured) {
   noisy.gyroscope->noise_sd *= 3.0;
   const Diagnosis d = diagnose(test::record(noisy, "", {}, 5), config).diagnosis;
   EXPECT_TRUE(d.findings.empty());
-  EXPECT_EQ(d.verdict, Verdict::kNoMismatch);
+  EXPECT_EQ(d.verdict, Verdict::kWrongNumbers);
   EXPECT_THAT(d.summary,
               testing::MatchesRegex("No missing physics. The noise is not as configured: gyr_x (2.9|3.0|3.1) times, "
                                     "gyr_y (2.9|3.0|3.1) times, gyr_z (2.9|3.0|3.1) times."));

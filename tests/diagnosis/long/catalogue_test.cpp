@@ -3,6 +3,7 @@
 // without a case here fails.
 #include <gmock/gmock.h>
 
+#include "diagnosis/improved.h"
 #include "diagnosis/summary.h"
 #include "io/simulation_yaml.h"
 #include "simulation/effect_catalogue.h"
@@ -153,14 +154,13 @@ TEST_P(Catalogue, ComesBackByNameAndLeavesNothingOnceItIsInTheSimulation) {
   if (c.outcome == Case::kRemainder) return;
   EXPECT_THAT(names(answer), testing::SizeIs(c.outcome == Case::kHidden ? 0 : 1)) << to_text(answer.diagnosis);
 
-  SimulationConfig improved = plain;
-  improved.effects.insert(improved.effects.end(), answer.effects.begin(), answer.effects.end());
+  const SimulationConfig improved = improved_by(answer, plain);
   const auto read_back = io::parse_simulation(io::format_simulation(improved), "improved");
   ASSERT_TRUE(read_back) << read_back.error().message;
   EXPECT_EQ(test::record(*read_back, "", {}, 7).size(), recording.size());
   const Answer again = diagnose(recording, *read_back);
-  EXPECT_EQ(again.diagnosis.verdict, Verdict::kNoMismatch)
-      << io::format_simulation(improved) << to_text(again.diagnosis);
+  // What noise leaves of a law may be said as wrong numbers: the drift of a line's phase, another draw of a walk.
+  EXPECT_THAT(names(again), testing::IsEmpty()) << io::format_simulation(improved) << to_text(again.diagnosis);
 }
 
 }  // namespace

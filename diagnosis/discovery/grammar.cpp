@@ -1,0 +1,265 @@
+#include "diagnosis/discovery/grammar.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "diagnosis/discovery/drivers.h"
+#include "laws/expression.h"
+
+namespace stillpoint::diag {
+namespace {
+
+constexpr double kFirstEvent_s = 3.0;
+constexpr std::array<double, 5> kShares{0.15, 0.35, 0.5, 0.65, 0.85};
+constexpr int kMostCycles = 40;  // of a periodic function over the range of its driver
+
+std::vector<double> geometric(double from, double to, double ratio) {
+  std::vector<double> out;
+  for (double x = from; x < to * 1.001; x *= ratio) out.push_back(x);
+  return out;
+}
+
+class Ideas {
+ public:
+  Ideas(Sensor sensor, const laws::Columns& drivers) : own_(own_vector(sensor)), drivers_(drivers) {
+    length_s_ = drivers.t_s[drivers.t_s.size() - 1] - drivers.t_s[0];
+    for (const char* v : {"w", "f", "m"})
+      if (drivers.values.contains(v)) vectors_.emplace_back(v);
+    scalars_ = scalar_factors(drivers);
+    for (const auto& v : vectors_)
+      for (const char* axis : {"_x", "_y", "_z"}) components_.push_back(v + axis);
+  }
+
+  void of_scalars() {
+    for (const auto& x : scalars_) {
+      add(x), add(x + "^2"), add(x + "^3"), add("abs(" + x + ")^0.5");
+      if (x != "t" && x != "norm(w)") add("abs(" + x + ")"), add("sign(" + x + ")");
+      thresholds(x);
+      for (const auto& y : scalars_)
+        if (x < y) add(x + " * " + y);
+      for (const auto& c : components_) add(x + " * " + c);
+    }
+    for (const auto& [name, values] : drivers_.values) {
+      if (values.cols() != 1 || name.find('(') != std::string::npos) continue;
+      memory(name);
+      if (name != "T") add("d(" + name + ")");
+    }
+    for (const char* heat : {"norm(w)", "norm(w)^2", "norm(f)", "I^2", "d(T)"})
+      if (known(heat)) memory(heat);
+  }
+
+  void of_components() {
+    for (std::size_t a = 0; a < components_.size(); ++a) {
+      const std::string& x = components_[a];
+      const bool own = x.substr(0, 1) == own_;
+      if (!own) add(x), add("d(" + x + ")");
+      add("abs(" + x + ")"), add(x + "^3"), add("sign(" + x + ")"), add("abs(" + x + ")^0.5"), add("d(" + x + ")^2");
+      add(x + " * abs(" + x + ")");
+      for (std::size_t b = a; b < components_.size(); ++b) add(x + " * " + components_[b]);
+      for (const auto& y : components_)
+        if (y[0] != x[0] || y == x) add("d(" + y + ") * " + x);
+    }
+  }
+
+  void of_vectors() {
+    for (const auto& v : vectors_) {
+      if (v != own_) both(v), both("d(" + v + ")");
+      add_powers(v);
+      for (const auto& x : scalars_) {
+        both(v + " * " + x);
+        add("d(" + v + ") * " + x);
+      }
+      for (const auto& u : vectors_) {
+        if (u <= v) continue;
+        add("cross(" + v + ", " + u + ")"), add(v + " * " + u);
+        both("cross(d(" + v + "), " + u + ")"), both("cross(d(" + u + "), " + v + ")");
+      }
+    }
+    for (const char* triple : {"cross(w, cross(w, f))", "cross(w, cross(w, m))", "cross(d(w), w)"})
+      if (known(triple)) add(triple);
+    for (const char* world : {"east", "north", "up"})
+      if (known(world)) both(world), both(std::string(world) + " * step(t, {})", events());
+    if (known("p")) both("p");
+  }
+
+  /// What an axis does to its own reading.
+  void of_the_reading() {
+    const Eigen::MatrixXd& x = drivers_.values.find(own_)->second;
+    const double span = x.maxCoeff() - x.minCoeff();
+    if (!(span > 0)) return;
+    std::vector<double> periods;
+    for (int half = 2 * kMostCycles; half >= 2; --half) periods.push_back(span / (std::numbers::pi * half));
+    pair("sin(" + own_ + " / {})", "cos(" + own_ + " / {})", "period / 2 pi", "", std::move(periods));
+    open("play(" + own_ + ", {})", "width", geometric(0.01 * span, 0.6 * span, 1.6));
+    open("step(abs(" + own_ + "), {}) * sign(" + own_ + ") * (abs(" + own_ + ") - {})", "threshold", levels_of_own());
+    open("step(" + own_ + ", {})", "threshold", levels_of_own());
+  }
+
+  void of_time() {
+    open("step(t, {})", "at", events());
+    both(own_ + " * step(t, {})", events());
+    open("exp(-t / {})", "tau", settling());
+    open("log(1 + t / {})", "tau", settling());
+    both(own_ + " * t");
+    both(own_ + " * exp(-t / {})", settling(), "tau");
+    std::vector<double> turns;
+    for (double cycles = std::min(0.5 * length_s_, 40.0); cycles >= 1.0; cycles -= 0.5)
+      turns.push_back(length_s_ / (2.0 * std::numbers::pi * cycles));
+    pair("d(" + own_ + ") * sin(t / {})", "d(" + own_ + ") * cos(t / {})", "period / 2 pi", "s", turns);
+    pair("sin(t / {})", "cos(t / {})", "period / 2 pi", "s", std::move(turns));
+  }
+
+  std::vector<Idea> take() { return std::move(out_); }
+
+ private:
+  [[nodiscard]] bool known(const std::string& text) const {
+    const auto tree = laws::parse(text, laws::standard_drivers());
+    if (!tree) return false;
+    for (const auto& name : laws::drivers_of(*tree))
+      if (name != "t" && !drivers_.values.contains(name)) return false;
+    return true;
+  }
+  void add(const std::string& text) { out_.push_back({{text}, {}, {}, {0.0}, false}); }
+  void both(const std::string& vector) {
+    add(vector);
+    out_.push_back({{vector}, {}, {}, {0.0}, true});
+  }
+  void both(const std::string& vector, std::vector<double> shapes, const char* name = "at") {
+    out_.push_back({{vector}, name, "s", std::move(shapes), true});
+  }
+  void open(const std::string& text, const char* name, std::vector<double> shapes, const char* unit = "") {
+    if (!shapes.empty()) out_.push_back({{text}, name, unit, std::move(shapes), false});
+  }
+  void pair(std::string a, std::string b, const char* name, const char* unit, std::vector<double> shapes) {
+    out_.push_back({{std::move(a), std::move(b)}, name, unit, std::move(shapes), false});
+  }
+  void add_powers(const std::string& v) {
+    for (const char* form : {"{0}^2", "{0}^3", "abs({0})", "sign({0})", "{0} * abs({0})", "abs({0})^0.5"})
+      add(fmt::format(fmt::runtime(form), v));
+    if (v != own_) add("cross(" + v + ", d(" + v + "))");
+  }
+  void memory(const std::string& x) {
+    open("lag(" + x + ", {})", "tau", geometric(0.2, 0.5 * length_s_, 1.8), "s");
+    open("delay(" + x + ", {})", "delay", geometric(0.05, 5.0, 2.0), "s");
+  }
+  void thresholds(const std::string& x) {
+    const auto tree = laws::parse(x, signature());
+    if (!tree) return;
+    const std::vector<double> levels = levels_in(laws::evaluate(*tree, drivers_));
+    open("step(" + x + ", {})", "threshold", levels);
+    open("step(" + x + ", {}) * (" + x + " - {})", "threshold", levels);
+  }
+  [[nodiscard]] laws::Signature signature() const {
+    std::vector<std::string> users;
+    for (const auto& [name, x] : drivers_.values) users.push_back(name);
+    return laws::drivers_with(users);
+  }
+  [[nodiscard]] static std::vector<double> levels_in(const Eigen::MatrixXd& x) {
+    std::vector<double> out;
+    const Eigen::VectorXd all = x.reshaped();
+    for (const double share : kShares) {
+      const double level = quantile(all, share);
+      if (out.empty() || level > out.back()) out.push_back(level);
+    }
+    return out;
+  }
+  [[nodiscard]] std::vector<double> levels_of_own() const {
+    std::vector<double> out = levels_in(drivers_.values.find(own_)->second.cwiseAbs());
+    std::erase_if(out, [](double x) { return !(x > 0); });
+    return out;
+  }
+  [[nodiscard]] std::vector<double> events() const {
+    std::vector<double> out;
+    const double step = std::max(1.0, length_s_ / 80.0);
+    for (double t = kFirstEvent_s; t < length_s_ - kFirstEvent_s; t += step) out.push_back(t);
+    if (out.empty()) out.push_back(0.5 * length_s_);
+    return out;
+  }
+  [[nodiscard]] std::vector<double> settling() const { return geometric(0.5, 2.0 * length_s_, 1.8); }
+
+  std::string own_;
+  const laws::Columns& drivers_;
+  double length_s_ = 0.0;
+  std::vector<std::string> vectors_, scalars_, components_;
+  std::vector<Idea> out_;
+};
+
+}  // namespace
+
+std::string Idea::text(std::size_t part, double shape) const {
+  std::string out = texts[part];
+  const std::string number = fmt::format("{:.5g}", shape);
+  for (std::size_t at = out.find("{}"); at != std::string::npos; at = out.find("{}", at + number.size()))
+    out.replace(at, 2, number);
+  return out;
+}
+
+std::vector<std::string> scalar_factors(const laws::Columns& drivers) {
+  std::vector<std::string> out{"norm(w)"};
+  const auto has = [&](const char* name) { return drivers.values.contains(name); };
+  if (has("T")) out.insert(out.end(), {"(T - 25)", "d(T)"});
+  if (has("V")) out.emplace_back("(V - 3.7)");
+  if (has("I")) out.emplace_back("I");
+  if (has("f")) out.emplace_back("(norm(f) - 9.81)");
+  for (const auto& [name, x] : drivers.values)
+    if (name.find('_') != std::string::npos && name.find('(') == std::string::npos) out.push_back(name);
+  out.emplace_back("t");
+  return out;
+}
+
+std::vector<Idea> first_ideas(Sensor sensor, const laws::Columns& drivers) {
+  Ideas ideas(sensor, drivers);
+  ideas.of_scalars();
+  ideas.of_components();
+  ideas.of_vectors();
+  ideas.of_the_reading();
+  ideas.of_time();
+  return ideas.take();
+}
+
+std::vector<Idea> second_ideas(const Idea& best, double shape, const laws::Columns& drivers) {
+  std::vector<Idea> out;
+  if (best.texts.size() != 1) return out;
+  const std::string text = best.text(0, shape);
+  if (text.find("step(t, ") != std::string::npos) {
+    // What settles slowly begins before its step seems to be.
+    const std::vector<double> tau = geometric(0.5, 40.0, 1.6);
+    const std::string own = text.substr(0, text.find("step(t, "));
+    for (const double earlier : {0.0, 1.0, 2.0, 3.0, 4.5, 6.0, 8.0}) {
+      const std::string at = fmt::format("{:.5g}", std::max(0.5, shape - earlier));
+      const std::string on = own + "step(t, " + at + ")", since = "(t - " + at + ")";
+      out.push_back({{on + " * exp(-" + since + " / {})"}, "tau", "s", tau, best.matrix});
+      out.push_back({{on + " * (1 - exp(-" + since + " / {}))"}, "tau", "s", tau, best.matrix});
+    }
+    out.push_back({{text + fmt::format(" * (t - {:.5g})", shape)}, {}, {}, {0.0}, best.matrix});
+    return out;
+  }
+  for (const std::string& factor : scalar_factors(drivers))
+    out.push_back({{text + " * " + factor}, {}, {}, {0.0}, best.matrix});
+  for (const char* vector : {"w", "f", "m"})
+    for (const char* axis : {"_x", "_y", "_z"})
+      if (drivers.values.contains(vector)) out.push_back({{text + " * " + vector + axis}, {}, {}, {0.0}, best.matrix});
+  return out;
+}
+
+std::optional<Idea> moment_of(const Idea& best, double shape) {
+  static const std::string kStep = "step(t, ";
+  if (best.texts.size() != 1 || best.shape_name != "tau") return std::nullopt;
+  std::string text = best.text(0, shape);
+  const std::size_t begin = text.find(kStep);
+  if (begin == std::string::npos) return std::nullopt;
+  const std::size_t from = begin + kStep.size();
+  const std::string at = text.substr(from, text.find(')', from) - from);
+  for (const std::string& before : {kStep, std::string("(t - ")})
+    for (std::size_t i = text.find(before + at); i != std::string::npos; i = text.find(before + at))
+      text.replace(i + before.size(), at.size(), "{}");
+  std::vector<double> around;
+  for (double step = -2.0; step <= 2.0; step += 0.25)
+    if (std::stod(at) + step > 0.0) around.push_back(std::stod(at) + step);
+  return Idea{{text}, "at", "s", around, best.matrix};
+}
+
+}  // namespace stillpoint::diag

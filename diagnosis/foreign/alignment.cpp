@@ -1,0 +1,240 @@
+#include "diagnosis/foreign/alignment.h"
+
+#include <fmt/format.h>
+
+#include <Eigen/Eigenvalues>
+#include <Eigen/QR>
+#include <algorithm>
+#include <cmath>
+
+#include "core/so3.h"
+#include "diagnosis/foreign/clocks.h"
+#include "diagnosis/median.h"
+#include "diagnosis/sanity/rows.h"
+
+namespace stillpoint::diag {
+namespace {
+
+constexpr double kSameMotion = 0.7;   // correlation of the norms
+constexpr double kShortest_s = 10.0;  // of the overlap
+constexpr double kDrift = 2e-3;       // of two clocks; beyond, it is no clock
+constexpr double kParted = 0.5;       // of the block's own scatter left over by the best linear map
+constexpr double kBlock_s = 2.0;
+constexpr double kSameAxes_rad = 0.35;
+
+const std::vector<Vec3>& column(const io::Recording& r, Sensor k) {
+  return k == kAcc ? r.acc_mps2 : k == kGyr ? r.gyr_radps : r.mag_uT;
+}
+
+bool holds(const io::Recording& r, Sensor k) {
+  return std::any_of(column(r, k).begin(), column(r, k).end(), [](const Vec3& v) { return v.allFinite(); });
+}
+
+Course course_of(const io::Recording& r, Sensor k) {
+  Course c{filled3(column(r, k)), {r.median_step_s(), Series(static_cast<Eigen::Index>(r.size()))}};
+  for (std::size_t i = 0; i < r.size(); ++i) c.rows.t_s[static_cast<Eigen::Index>(i)] = r.t_s(i) - r.t_s(0);
+  return c;
+}
+
+/// y ~ offset + A x over the rows inside.
+struct Map {
+  Mat3 A = Mat3::Identity();
+  Series3 left;
+};
+
+Map linear_map(const Series3& x, const Series3& y, const Mask& outside) {
+  const Eigen::Index n = x.rows();
+  Eigen::MatrixXd design = Eigen::MatrixXd::Zero(n, 4), rhs = Eigen::MatrixXd::Zero(n, 3);
+  for (Eigen::Index i = 0; i < n; ++i)
+    if (!outside[static_cast<std::size_t>(i)]) design.row(i) << 1.0, x.row(i), rhs.row(i) = y.row(i);
+  const Eigen::MatrixXd c = design.colPivHouseholderQr().solve(rhs);
+  return {Mat3(c.bottomRows(3).transpose()), (y - x * c.bottomRows(3)).rowwise() - c.row(0)};
+}
+
+/// The map of the rows that it fits best: half of them, so that a part of another motion does not bend it.
+Map map_of_the_better_half(const Series3& x, const Series3& y, const Mask& outside) {
+  Map map = linear_map(x, y, outside);
+  for (int round = 0; round < 5; ++round) {
+    const Series left = moving_mean(map.left.rowwise().squaredNorm(), 50);
+    const double middle = quantile(left, 0.5);
+    Mask worse = outside;
+    for (std::size_t i = 0; i < worse.size(); ++i) worse[i] = worse[i] || left[static_cast<Eigen::Index>(i)] > middle;
+    map = linear_map(x, y, worse);
+  }
+  return map;
+}
+
+/// What a factor between two logs of one quantity is known as; empty: none.
+std::string unit_of_factor(Sensor k, double factor) {
+  struct Known {
+    Sensor sensor;
+    double factor;
+    const char* words;
+  };
+  static const std::vector<Known> all{{kGyr, 57.29578, "deg/s (name its columns gyr_x_dps, ...)"},
+                                      {kAcc, 1.0 / 9.80665, "g (name its columns acc_x_g, ...)"},
+                                      {kAcc, 101.97, "mg (divide by 1000 and name its columns acc_x_g, ...)"},
+                                      {kMag, 0.01, "gauss (name its columns mag_x_gauss, ...)"},
+                                      {kMag, 10.0, "milligauss (divide by 10)"},
+                                      {kMag, 1e3, "nT (divide by 1000)"},
+                                      {kMag, 1e-6, "tesla (name its columns mag_x_T, ...)"}};
+  for (const Known& u : all)
+    if (u.sensor == k && std::abs(std::log(factor / u.factor)) < 0.25) return u.words;
+  return {};
+}
+
+/// "+y -x +z": the recording's axes in terms of the log's, where they are nearly a permutation.
+std::string axes_of(const Mat3& R) {
+  std::string out;
+  for (int i = 0; i < 3; ++i) {
+    Eigen::Index j = 0;
+    if (R.row(i).cwiseAbs().maxCoeff(&j) < 0.8) return {};
+    out += fmt::format("{}{}{}", i == 0 ? "" : " ", R(i, j) > 0 ? '+' : '-', "xyz"[j]);
+  }
+  return out;
+}
+
+/// Whether the two mean the same by a number: units first, then axes. Empty where they do.
+std::string difference(Sensor k, const Mat3& A) {
+  const double factor = std::cbrt(std::max(std::abs(A.determinant()), 1e-300));
+  if (factor < 0.67 || factor > 1.5) {
+    const std::string unit = unit_of_factor(k, 1.0 / factor);
+    return fmt::format("the {} of the simulated log is {:.4g} times that of the recording{}", kSensorName[k],
+                       1.0 / factor,
+                       unit.empty() ? "; give both in the units of docs/formats.md" : ": it looks like " + unit);
+  }
+  const Mat3 R = A * Eigen::SelfAdjointEigenSolver<Mat3>(A.transpose() * A).operatorInverseSqrt();  // of A = R S
+  const std::string axes = axes_of(R);
+  if (R.determinant() < 0.0)
+    return fmt::format("the {} of the simulated log has other axes (mirrored{}): one of the two is left-handed",
+                       kSensorName[k], axes.empty() ? "" : ": the recording's x, y, z are its " + axes);
+  const double angle = log_so3(R).norm();
+  if (angle < kSameAxes_rad) return {};
+  return fmt::format(
+      "the {} of the simulated log has other axes, turned by {:.0f} deg{}", kSensorName[k], angle * 57.29578,
+      axes.empty() ? "; turn it into the sensor's frame"
+                   : fmt::format(": the recording's x, y, z are its {0}; import it with mount: \"{0}\"", axes));
+}
+
+/// Where the motions part for good: the time of the first block after which hardly any agrees. Negative: nowhere.
+double parts_at_s(const Course& recording, const Map& map, const Mask& outside) {
+  const auto block = std::max<Eigen::Index>(1, std::lround(kBlock_s / recording.rows.step_s));
+  std::vector<std::pair<double, bool>> agreed;
+  for (Eigen::Index b = 0; b + block <= recording.x.rows(); b += block) {
+    if (std::any_of(outside.begin() + b, outside.begin() + b + block, [](auto o) { return o != 0; })) continue;
+    const Series3 own = recording.x.middleRows(b, block).rowwise() - recording.x.middleRows(b, block).colwise().mean();
+    const Series3 left = map.left.middleRows(b, block).rowwise() - map.left.middleRows(b, block).colwise().mean();
+    agreed.emplace_back(recording.rows.at(b), left.norm() < kParted * own.norm());
+  }
+  std::size_t good = 0, best = agreed.size();
+  for (std::size_t i = 0; i < agreed.size(); ++i) good += agreed[i].second ? 1 : 0;
+  if (static_cast<double>(good) > 0.75 * static_cast<double>(agreed.size())) return -1.0;
+  double most = -1.0;
+  double score = 0.0;
+  for (std::size_t i = 0; i < agreed.size(); ++i) {
+    score += agreed[i].second ? 1.0 : -1.0;
+    if (score > most) most = score, best = i + 1;
+  }
+  return best < agreed.size() ? agreed[best].first : -1.0;
+}
+
+/// The attitude: the recording's own, else the log's, else the log's rate summed up from where gravity says it began.
+void add_reference(const io::Recording& log, const Course& recording, const Clocks& clocks, AlignedLog& out) {
+  io::Recording& r = out.reference;
+  if (!r.ref_q_world_body.empty()) return;
+  if (out.reading[kGyr].rows() == 0) return;
+  const Series3& w = out.reading[kGyr];
+  Quat q = Quat::Identity();
+  if (!log.ref_q_world_body.empty()) {
+    const double t0 = clocks.offset_s;
+    std::size_t row = 0;
+    while (row + 1 < log.size() && log.t_s(row) - log.t_s(0) < t0) ++row;
+    const Eigen::Vector4d& g = log.ref_q_world_body[row];
+    if (g.allFinite()) q = Quat(g[0], g[1], g[2], g[3]).normalized();
+  } else if (out.reading[kAcc].rows() > 0) {
+    q = Quat::FromTwoVectors(Vec3(out.reading[kAcc].topRows(std::min<Eigen::Index>(20, w.rows())).colwise().mean()),
+                             Vec3::UnitZ());
+  }
+  for (Eigen::Index i = 0; i < w.rows(); ++i) {
+    if (i > 0) {
+      const double step = recording.rows.at(i) - recording.rows.at(i - 1);
+      q = (q * exp_quat(0.5 * step * Vec3(w.row(i) + w.row(i - 1)))).normalized();
+    }
+    r.ref_q_world_body.emplace_back(q.w(), q.x(), q.y(), q.z());
+  }
+}
+
+}  // namespace
+
+double quiet_noise(const Series3& x, double step_s) {
+  const auto block = std::max<Eigen::Index>(10, std::lround(1.0 / step_s));
+  std::vector<double> sd;
+  for (Eigen::Index b = 0; b + block <= x.rows(); b += block) {
+    double sum = 0.0;
+    for (Eigen::Index i = b + 2; i + 2 < b + block; ++i)  // fourth differences: no motion is left in them
+      sum += (x.row(i - 2) - 4.0 * x.row(i - 1) + 6.0 * x.row(i) - 4.0 * x.row(i + 1) + x.row(i + 2)).squaredNorm();
+    sd.push_back(std::sqrt(sum / (70.0 * 3.0 * static_cast<double>(block - 4))));
+  }
+  return sd.empty() ? 0.0 : quantile(std::move(sd), 0.1);
+}
+
+Result<AlignedLog> align(const io::Recording& log, const io::Recording& recording) {
+  const Sensor lead = holds(log, kGyr) && holds(recording, kGyr) ? kGyr : kAcc;
+  if (!holds(log, lead) || !holds(recording, lead))
+    return fail(ErrorKind::kBadData,
+                "the simulated log and the recording share neither a gyroscope nor an accelerometer");
+  const Course theirs = course_of(log, lead), ours = course_of(recording, lead);
+  Clocks clocks = coarse_clocks(theirs, ours);
+  if (clocks.overlap_s < kShortest_s)
+    return fail(ErrorKind::kBadData,
+                fmt::format("the simulated log and the recording overlap by {:.1f} s only; at least "
+                            "{:.0f} s of the same motion are needed",
+                            clocks.overlap_s, kShortest_s));
+  if (clocks.correlation < kSameMotion)
+    return fail(ErrorKind::kBadData,
+                fmt::format("the simulated log is of another motion: at no offset do its {} and the recording's go "
+                            "together (best correlation {:.2f}); replay the recording's motion in the simulator",
+                            kSensorName[lead], clocks.correlation));
+  refine_clocks(theirs, ours, clocks);
+  if (std::abs(clocks.drift) > kDrift)
+    return fail(ErrorKind::kBadData,
+                fmt::format("the clock of the simulated log runs {:+.2f} % against the recording's: "
+                            "its time column has another unit or the motion another speed",
+                            100.0 * clocks.drift));
+  AlignedLog out;
+  out.offset_s = clocks.offset_s, out.drift = clocks.drift;
+  out.outside.assign(recording.size(), 0);
+  for (std::size_t i = 0; i < recording.size(); ++i) {
+    const double at = clocks.offset_s + (1.0 + clocks.drift) * ours.rows.at(static_cast<Eigen::Index>(i));
+    out.outside[i] = at < 0.0 || at > theirs.end_s() ? 1 : 0;
+  }
+  for (const Sensor k : {kAcc, kGyr, kMag}) {
+    if (!holds(log, k) || !holds(recording, k)) continue;
+    const Course c = course_of(log, k), own = course_of(recording, k);
+    out.reading[k] = at_rows_of(own, c, clocks);
+    out.noise_sd[k] = quiet_noise(c.x, log.median_step_s());
+    const Map map = linear_map(out.reading[k], own.x, out.outside);
+    if (k == lead)
+      if (const double t = parts_at_s(own, map_of_the_better_half(out.reading[k], own.x, out.outside), out.outside);
+          t >= 0.0)
+        return fail(ErrorKind::kBadData,
+                    fmt::format("the simulated log and the recording part at {:.1f} s: from there on the motion is "
+                                "another; give both up to there",
+                                t));
+    if (const std::string what = difference(k, map.A); !what.empty()) return fail(ErrorKind::kBadData, what);
+    if (const double noise = quiet_noise(own.x, recording.median_step_s()); out.noise_sd[k] > 1.3 * noise && noise > 0)
+      out.notices.push_back(
+          fmt::format("{}: the simulated log is noisier ({:.2g} {}) than the recording ({:.2g}): the "
+                      "noise may be in it twice",
+                      kSensorName[k], out.noise_sd[k], kSensorUnit[k], noise));
+  }
+  out.reference = recording;
+  add_reference(log, ours, clocks, out);
+  out.notices.push_back(fmt::format(
+      "the recording's first row is at {:.4f} s of the simulated log, whose clock runs {:+.1f} ppm against it; a delay "
+      "common to all sensors would be taken for this offset",
+      clocks.offset_s, 1e6 * clocks.drift));
+  return out;
+}
+
+}  // namespace stillpoint::diag

@@ -1,0 +1,209 @@
+#include <algorithm>
+#include <cmath>
+
+#include "diagnosis/reference/evidence.h"
+
+namespace stillpoint::diag {
+namespace {
+
+constexpr double kFold_s = 4.0;    // blocks beside each other, every second one left out
+constexpr double kRegime_s = 1.0;  // a motion, a pose
+constexpr int kRegimes = 4, kRounds = 20;
+constexpr double kLeastRegime = 0.08;  // of the blocks; fewer are no test
+
+/// Which fold a row is left out in.
+struct Folds {
+  std::vector<int> of_row;
+  int count = 2;
+  Eigen::Index block = 1;
+};
+
+double rms_over(const Series3& x, const Eigen::ArrayXd& counts) {
+  double sum = 0.0;
+  for (int axis = 0; axis < 3; ++axis) sum += (x.col(axis).array().square() * counts).sum();
+  return std::sqrt(sum / std::max(3.0 * counts.sum(), 1.0));
+}
+
+/// The model without some effects (ascending): their columns gone, their offsets put back.
+std::pair<Target, Columns> without_effects(const SensorSearch& search, const std::vector<std::size_t>& effects) {
+  std::pair<Target, Columns> out{search.target, {}};
+  for (std::size_t i = 0; i < search.found.size(); ++i) {
+    const Found& f = search.found[i];
+    if (!std::binary_search(effects.begin(), effects.end(), i))
+      out.second = joined(std::move(out.second), f.columns);
+    else if (f.offset.size())
+      out.first.residual += f.offset;
+  }
+  return out;
+}
+
+/// Residual of the whole recording, with the coefficients of the samples that `train` counts.
+Series3 left_by(const Target& full, const Columns& columns, const NoiseModel& noise, const Eigen::ArrayXd& train) {
+  Target part = full;
+  part.layout.counts = train;
+  return fit_with(part, columns, noise, {}).leftover;
+}
+
+Folds beside_each_other(const Target& t) {
+  Folds f;
+  f.block = std::max<Eigen::Index>(1, std::lround(kFold_s / t.rows.step_s));
+  for (Eigen::Index i = 0; i < t.layout.n; ++i) f.of_row.push_back(static_cast<int>((i / f.block) % 2));
+  return f;
+}
+
+/// A row a block: mean and scatter of the measured vector, what the effects do and how much, each over its spread.
+Eigen::MatrixXd looks_of(const Target& t, const Columns& columns, Eigen::Index block) {
+  const Eigen::Index blocks = (t.layout.n + block - 1) / block;
+  Eigen::MatrixXd driven = Eigen::MatrixXd::Zero(t.layout.n, 1);
+  for (const Column& c : columns) driven.col(0) += c.x.rowwise().norm() / std::max(c.x.norm(), 1e-300);
+  Eigen::MatrixXd look(blocks, 5);
+  for (Eigen::Index b = 0; b < blocks; ++b) {
+    const Eigen::Index begin = b * block, length = std::min(block, t.layout.n - begin);
+    const Eigen::MatrixXd v = t.nuisance.middleRows(begin, length).rightCols(3);
+    const Eigen::RowVectorXd mean = v.colwise().mean();
+    look.row(b) << mean, (v.rowwise() - mean).norm() / std::sqrt(static_cast<double>(length)),
+        driven.middleRows(begin, length).mean();
+  }
+  for (Eigen::Index c = 0; c < look.cols(); ++c) {
+    look.col(c).array() -= look.col(c).mean();
+    look.col(c) /= std::max(look.col(c).norm(), 1e-300);
+  }
+  return look;
+}
+
+/// Regimes by k-means from the farthest points; the same input gives the same ones. Empty where one holds nearly all.
+std::vector<int> regimes_of(const Eigen::MatrixXd& look) {
+  Eigen::MatrixXd centre = look.topRows(1);
+  const auto distance = [&](Eigen::Index b) { return (centre.rowwise() - look.row(b)).rowwise().squaredNorm().eval(); };
+  while (centre.rows() < kRegimes) {
+    Eigen::Index farthest = 0;
+    double most = -1.0;
+    for (Eigen::Index b = 0; b < look.rows(); ++b)
+      if (const double d = distance(b).minCoeff(); d > most) most = d, farthest = b;
+    centre.conservativeResize(centre.rows() + 1, Eigen::NoChange);
+    centre.bottomRows(1) = look.row(farthest);
+  }
+  std::vector<int> of_block(static_cast<std::size_t>(look.rows()), 0);
+  Eigen::VectorXd size;
+  for (int round = 0; round < kRounds; ++round) {
+    Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(kRegimes, look.cols());
+    size = Eigen::VectorXd::Zero(kRegimes);
+    for (Eigen::Index b = 0; b < look.rows(); ++b) {
+      int& regime = of_block[static_cast<std::size_t>(b)];
+      distance(b).minCoeff(&regime);
+      sum.row(regime) += look.row(b), size[regime] += 1.0;
+    }
+    for (Eigen::Index k = 0; k < kRegimes; ++k)
+      if (size[k] > 0) centre.row(k) = sum.row(k) / size[k];
+  }
+  if ((size.array() > kLeastRegime * static_cast<double>(look.rows())).count() < 2) return {};
+  return of_block;
+}
+
+/// Kinds of motion rather than pieces of it: what goes along with the true driver in one motion still does so half a
+/// second later, in another it need not.
+Folds by_regime(const Target& t, const Columns& columns) {
+  Folds f;
+  f.block = std::max<Eigen::Index>(1, std::lround(kRegime_s / t.rows.step_s));
+  const std::vector<int> of_block = regimes_of(looks_of(t, columns, f.block));
+  if (of_block.empty()) return f;
+  f.count = kRegimes;
+  for (Eigen::Index i = 0; i < t.layout.n; ++i) f.of_row.push_back(of_block[static_cast<std::size_t>(i / f.block)]);
+  return f;
+}
+
+/// Squared whitened deviations a row, of the three axes, each row with coefficients of the folds that it is not in.
+struct Judged {
+  Series3 before, after;
+  Series square_before, square_after;
+};
+
+Judged judge_on(const SensorSearch& search, const std::vector<std::size_t>& effects, const NoiseModel& noise,
+                const Folds& folds) {
+  const Target& t = search.target;
+  const auto [less, fewer] = without_effects(search, effects);
+  const Columns all = search.explained();
+  Judged out{Series3::Zero(t.layout.n, 3), Series3::Zero(t.layout.n, 3), Series::Zero(t.layout.n),
+             Series::Zero(t.layout.n)};
+  for (int fold = 0; fold < folds.count; ++fold) {
+    Eigen::ArrayXd train = t.layout.counts;
+    for (Eigen::Index i = 0; i < t.layout.n; ++i)
+      if (folds.of_row[static_cast<std::size_t>(i)] == fold) train[i] = 0.0;
+    const Series3 with = left_by(t, all, noise, train), without = left_by(less, fewer, noise, train);
+    for (int axis = 0; axis < 3; ++axis) {
+      const Series a = noise.whiten(t.layout, with.col(axis), axis),
+                   b = noise.whiten(t.layout, without.col(axis), axis);
+      for (Eigen::Index i = 0; i < t.layout.n; ++i) {
+        if (folds.of_row[static_cast<std::size_t>(i)] != fold) continue;
+        out.square_before[i] += b[i] * b[i], out.square_after[i] += a[i] * a[i];
+        out.before(i, axis) = without(i, axis), out.after(i, axis) = with(i, axis);
+      }
+    }
+  }
+  return out;
+}
+
+/// Share of the removable power, whitened, that is gone; its interval from the scatter of blocks about the share.
+void share_of(const Judged& j, const Series& floor, Eigen::Index block, HeldOut& out) {
+  const double removed = (j.square_before - j.square_after).sum(), removable = (j.square_before - floor).sum();
+  if (!(removable > 0)) return;
+  out.removable_share_removed = removed / removable;
+  double scatter = 0.0, blocks = 0.0;
+  for (Eigen::Index begin = 0; begin < floor.size(); begin += block) {
+    const Eigen::Index length = std::min(block, floor.size() - begin);
+    const auto sum = [&](const Series& x) { return x.segment(begin, length).sum(); };
+    const double off =
+        sum(j.square_before) - sum(j.square_after) - out.removable_share_removed * (sum(j.square_before) - sum(floor));
+    scatter += off * off, blocks += 1.0;
+  }
+  const double half = 1.96 * std::sqrt(scatter * blocks / std::max(blocks - 1.0, 1.0)) / removable;
+  out.share_ci95 = {out.removable_share_removed - half, out.removable_share_removed + half};
+}
+
+}  // namespace
+
+HeldOut held_out(const SensorSearch& search, const std::vector<std::size_t>& effects) {
+  const Target& t = search.target;
+  const Columns all = search.explained();
+  const NoiseModel noise(t.layout, fit_profile(t, all).leftover);
+  const Folds folds = beside_each_other(t);
+  const Judged j = judge_on(search, effects, noise, folds);
+  HeldOut out;
+  for (Eigen::Index begin = 0; begin < t.layout.n; begin += folds.block) {
+    const Eigen::Index length = std::min(folds.block, t.layout.n - begin);
+    const double here = 0.5 * (j.square_before - j.square_after).segment(begin, length).sum();
+    ++out.blocks;
+    if (here > 0) ++out.blocks_better;
+    out.gain_nats += here;
+  }
+  out.rms_before = rms_over(j.before, t.layout.counts);
+  out.rms_after = rms_over(j.after, t.layout.counts);
+  // The floor is what the best coefficients leave: those of the whole recording.
+  out.noise_floor = rms_over(fit_with(t, all, noise, {}).leftover, t.layout.counts);
+  const double removable = out.rms_before * out.rms_before - out.noise_floor * out.noise_floor;
+  if (removable > 0)
+    out.removable_share_removed = (out.rms_before * out.rms_before - out.rms_after * out.rms_after) / removable;
+  out.unit = kSensorUnit[search.sensor];
+  return out;
+}
+
+HeldOut held_out_by_regime(const SensorSearch& search, const std::vector<std::size_t>& effects) {
+  const Target& t = search.target;
+  HeldOut out = held_out(search, effects);
+  const Columns all = search.explained();
+  Columns own;
+  for (const std::size_t e : effects) own = joined(std::move(own), search.found[e].columns);
+  const bool local =
+      std::any_of(effects.begin(), effects.end(), [&](std::size_t e) { return search.found[e].window.local; });
+  Folds folds = local ? Folds{} : by_regime(t, own);
+  out.on = folds.of_row.empty() ? "blocks of 4 s" : "regimes";
+  if (folds.of_row.empty()) folds = beside_each_other(t);
+  const NoiseModel noise(t.layout, fit_profile(t, all).leftover);
+  const Series3 best = fit_with(t, all, noise, {}).leftover;
+  Series floor = Series::Zero(t.layout.n);
+  for (int axis = 0; axis < 3; ++axis) floor += noise.whiten(t.layout, best.col(axis), axis).cwiseAbs2();
+  share_of(judge_on(search, effects, noise, folds), floor, folds.block, out);
+  return out;
+}
+
+}  // namespace stillpoint::diag

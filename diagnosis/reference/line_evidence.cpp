@@ -1,0 +1,116 @@
+#include "diagnosis/reference/line_evidence.h"
+
+#include <algorithm>
+#include <cmath>
+#include <complex>
+#include <numbers>
+
+namespace stillpoint::diag {
+namespace {
+
+using Phasor = Eigen::Vector3cd;
+
+constexpr double kBlock_s = 0.5;
+constexpr Eigen::Index kShortest = 8;       // blocks: shorter is an event, no line
+constexpr double kNatsForTheStretch = 8.0;  // log of the number of stretches
+constexpr double kOffElsewhere = 0.3;       // of the amplitude inside: what a line that is switched off leaves
+constexpr double kSensorsOwn = 0.5;         // half way between the reference's (0) and the sensor's (1)
+constexpr double kKnown = 0.25;             // two deviations on either side of that
+constexpr int kNearest = 4, kFarthest = 9;  // bins beside the line that tell the reading's background
+
+/// Sums of the line's phasor per block, with how many samples are in them.
+struct Demodulated {
+  std::vector<Phasor> sum;      // cumulative
+  std::vector<double> samples;  // cumulative
+  Vec3 noise = Vec3::Zero();    // variance a sample, at this frequency
+};
+
+Demodulated demodulate(const Series3& x, const Layout& layout, const Series& t_s, double frequency_Hz,
+                       Eigen::Index block) {
+  Demodulated d;
+  d.sum.emplace_back(Phasor::Zero());
+  d.samples.push_back(0.0);
+  Phasor last = Phasor::Zero();
+  for (Eigen::Index begin = 0; begin < x.rows(); begin += block) {
+    Phasor here = Phasor::Zero();
+    double n = 0.0;
+    for (Eigen::Index i = begin; i < std::min(begin + block, x.rows()); ++i) {
+      if (layout.present[i] == 0.0) continue;
+      here += x.row(i).transpose() * std::polar(1.0, -2.0 * std::numbers::pi * frequency_Hz * t_s[i]);
+      n += 1.0;
+    }
+    d.sum.push_back(d.sum.back() + here);
+    d.samples.push_back(d.samples.back() + n);
+    if (begin > 0) d.noise += 0.5 * (here - last).cwiseAbs2();
+    last = here;
+  }
+  d.noise = (d.noise / std::max(d.samples.back(), 1.0)).cwiseMax(1e-300);
+  return d;
+}
+
+/// Mean squared amplitude of samples [first, last) of blocks, and the log-likelihood that such a line gains.
+double gain_of(const Demodulated& d, std::size_t first, std::size_t last) {
+  const double n = d.samples[last] - d.samples[first];
+  const Phasor sum = d.sum[last] - d.sum[first];
+  return n > 0 ? sum.cwiseAbs2().cwiseQuotient(d.noise).sum() / n : 0.0;
+}
+
+double amplitude_of(const Demodulated& d, std::size_t first, std::size_t last) {
+  const double n = d.samples[last] - d.samples[first];
+  return n > 0 ? (d.sum[last] - d.sum[first]).norm() / n : 0.0;
+}
+
+/// Amplitude of a line in rows of a window, its ends tapered, muted rows left out.
+Phasor tapered(const Series3& x, const Mask& muted, const Window& w, const Series& t_s, double frequency_Hz) {
+  Phasor sum = Phasor::Zero();
+  double weights = 0.0;
+  const auto n = static_cast<double>(w.end - w.begin);
+  for (Eigen::Index i = w.begin; i < w.end; ++i) {
+    if (muted[static_cast<std::size_t>(i)]) continue;
+    const double phase = (static_cast<double>(i - w.begin) + 0.5) / n;
+    const double taper = 0.5 - 0.5 * std::cos(2.0 * std::numbers::pi * phase);
+    sum += taper * x.row(i).transpose() * std::polar(1.0, -2.0 * std::numbers::pi * frequency_Hz * t_s[i]);
+    weights += taper;
+  }
+  return sum / std::max(weights, 1e-9);
+}
+
+}  // namespace
+
+Window stretch_of_line(const Series3& left, const Layout& layout, const Series& t_s, double frequency_Hz,
+                       double step_s) {
+  const auto block = std::max<Eigen::Index>(1, std::lround(kBlock_s / step_s));
+  const Demodulated d = demodulate(left, layout, t_s, frequency_Hz, block);
+  const std::size_t blocks = d.sum.size() - 1;
+  const double whole = gain_of(d, 0, blocks);
+  std::size_t first = 0, last = blocks;
+  double best = whole + kNatsForTheStretch;
+  for (std::size_t b = 0; b < blocks; ++b)
+    for (std::size_t e = b + kShortest; e <= blocks; ++e)
+      if (const double g = gain_of(d, b, e); g > best) best = g, first = b, last = e;
+  const double inside = amplitude_of(d, first, last);
+  const double outside = std::max(amplitude_of(d, 0, first), amplitude_of(d, last, blocks));
+  const bool all_but_ends = static_cast<double>(last - first) > 0.95 * static_cast<double>(blocks);
+  if (all_but_ends || outside > kOffElsewhere * inside) return {};
+  return {true, static_cast<Eigen::Index>(first) * block,
+          std::min(static_cast<Eigen::Index>(last) * block, left.rows())};
+}
+
+bool stands_in_reading(const Signals& s, Sensor sensor, const Series3& left, const Window& window,
+                       double frequency_Hz) {
+  const Window w = window.local ? window : Window{false, 0, s.n};
+  const double bin_Hz = 1.0 / (static_cast<double>(w.end - w.begin) * s.dt_s);
+  const auto at = [&](const Series3& x, double f) { return tapered(x, s.muted[sensor], w, s.t_s, f); };
+  const Phasor of_residual = at(left, frequency_Hz), of_reading = at(s.reading[sensor], frequency_Hz);
+  const double power = of_residual.squaredNorm();
+  double beside = 0.0, count = 0.0;
+  for (int k = kNearest; k <= kFarthest; ++k)
+    for (const double sign : {-1.0, 1.0}) {
+      beside += at(s.reading[sensor], frequency_Hz + sign * k * bin_Hz).squaredNorm();
+      count += 1.0;
+    }
+  const double share = of_residual.dot(of_reading).real() / power;
+  return share > kSensorsOwn && std::sqrt(0.5 * beside / count / power) < kKnown;
+}
+
+}  // namespace stillpoint::diag

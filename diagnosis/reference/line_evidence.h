@@ -1,0 +1,17 @@
+/// When a line of one frequency is there, and whether the sensor has it or the reference brings it in.
+#pragma once
+#include "diagnosis/reference/scan.h"
+#include "diagnosis/reference/signals.h"
+
+namespace stillpoint::diag {
+
+/// The stretch in which the line stands; not local where it stands everywhere.
+[[nodiscard]] Window stretch_of_line(const Series3& left, const Layout& layout, const Series& t_s, double frequency_Hz,
+                                     double step_s);
+
+/// Whether the reading alone shows the line that the residual shows, of the same size and phase: a camera's own lines
+/// and the beat of its frames with the rows do not. False also where motion at this frequency hides the answer.
+[[nodiscard]] bool stands_in_reading(const Signals& s, Sensor sensor, const Series3& left, const Window& window,
+                                     double frequency_Hz);
+
+}  // namespace stillpoint::diag

@@ -1,0 +1,37 @@
+#include "diagnosis/reference/wandering_reference.h"
+
+#include <cmath>
+#include <numbers>
+
+namespace stillpoint::diag {
+namespace {
+
+constexpr int kHarmonics = 8;  // of the recording's length: turns of more than 8 s a minute
+
+/// phi(t) x v, phi a sum of cosines over the recording; its mean is a wrong matrix.
+Columns slow_turns(const Signals& s, Sensor sensor) {
+  Columns out;
+  const Series3& v = s.vector[sensor];
+  for (int axis = 0; axis < 3; ++axis) {
+    Series3 turned(s.n, 3);
+    for (Eigen::Index i = 0; i < s.n; ++i) turned.row(i) = Vec3::Unit(axis).cross(Vec3(v.row(i).transpose()));
+    for (int k = 1; k <= kHarmonics; ++k) {
+      const Series course = (s.t_s.array() * (k * std::numbers::pi / s.duration_s())).cos();
+      out.push_back({-1, course.asDiagonal() * turned});
+    }
+  }
+  return out;
+}
+
+}  // namespace
+
+bool stands_beside_wandering(const Signals& s, const SensorSearch& search, const Found& law) {
+  if (s.exact_reference || law.offset.size()) return true;
+  const Columns without = joined(search.explained(), slow_turns(s, search.sensor));
+  const Target t = search.beside_walk();
+  const double gain =
+      fit_profile(t, joined(without, law.columns)).log_likelihood - fit_profile(t, without).log_likelihood;
+  return gain > charge(law.names.size(), law.window) + kLeastNetBeside;
+}
+
+}  // namespace stillpoint::diag

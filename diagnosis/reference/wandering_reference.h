@@ -1,0 +1,11 @@
+/// A camera whose calibration wanders, or whose markers settle, turns slowly against the sensors.
+#pragma once
+#include "diagnosis/reference/selection.h"
+
+namespace stillpoint::diag {
+
+/// Whether the law is worth its charge beside a noisy reference that turns slowly by small angles: such angles times
+/// the true vector go along with some product of drivers or other.
+[[nodiscard]] bool stands_beside_wandering(const Signals& s, const SensorSearch& search, const Found& law);
+
+}  // namespace stillpoint::diag

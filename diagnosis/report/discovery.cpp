@@ -1,0 +1,72 @@
+#include "diagnosis/report/discovery.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "diagnosis/discovery/law_words.h"
+#include "diagnosis/report/svg.h"
+
+namespace stillpoint::diag {
+namespace {
+
+using svg::escaped;
+
+constexpr std::size_t kMostWeighed = 10;
+
+/// Why a law that was weighed is not the one that is stated.
+std::string why_not(const WeighedLaw& law, const WeighedLaw& stated) {
+  if (law.text == stated.text) return "<b>stated</b>";
+  const char* length = law.bits < stated.bits ? "shorter" : law.bits > stated.bits ? "longer" : "as long";
+  const double less = stated.gain_nats - law.gain_nats;
+  return less > 0.0 ? fmt::format("{}; explains {:.0f} nats less", length, less)
+                    : fmt::format("{}; explains {:.0f} nats more, which do not pay for it", length, -less);
+}
+
+std::string weighed_table(const Finding& f, const std::string& stated_text) {
+  const auto stated = std::find_if(f.weighed.begin(), f.weighed.end(),
+                                   [&stated_text](const WeighedLaw& w) { return w.text == stated_text; });
+  if (stated == f.weighed.end()) return {};
+  std::string s =
+      "<h3>What was weighed against it</h3><p class=\"how\">A longer text and more coefficients have to pay for "
+      "themselves. Gain: log-likelihood over the model without the law.</p><table><tr><th>law</th><th "
+      "class=\"n\">length, bits</th><th class=\"n\">gain, nats</th><th class=\"n\">after its price</th><th></th></tr>";
+  for (std::size_t i = 0; i < std::min(kMostWeighed, f.weighed.size()); ++i) {
+    const WeighedLaw& w = f.weighed[i];
+    s += fmt::format(
+        "<tr><td><code>{}</code></td><td class=\"n\">{:.0f}</td><td class=\"n\">{:.0f}</td><td "
+        "class=\"n\">{:.0f}</td><td>{}</td></tr>",
+        escaped(w.text), w.bits, w.gain_nats, w.net_nats, why_not(w, *stated));
+  }
+  return s + "</table>";
+}
+
+}  // namespace
+
+std::string discovery_html(const Finding& f, std::size_t k) {
+  const auto law = law_json(f);
+  if (!law) return {};
+  std::string s;
+  if (const auto& known = law->at("mechanisms"); !known.empty()) {
+    s += "<h3>Sensors are known to behave so by</h3><ul>";
+    for (const auto& words : known) s += "<li>" + escaped(words.get<std::string>()) + "</li>";
+    s += "</ul>";
+  }
+  s += weighed_table(f, law->at("text").get<std::string>());
+  if (f.figures.against_each.empty()) return s;
+  s += "<h3>Residual against each quantity</h3><p class=\"how\">Orange before, green after: where the law is right, "
+       "green is one even band in every panel. A slope or a bend that is left names what is still missing.</p><div "
+       "class=\"figures\">";
+  for (std::size_t i = 0; i < f.figures.against_each.size(); ++i)
+    s += fmt::format("<div class=\"plot\" id=\"each-{}-{}\"></div>", k, i);
+  return s + "</div>";
+}
+
+nlohmann::json discovery_data(const Finding& f) {
+  auto each = nlohmann::json::array();
+  for (const AgainstQuantity& a : f.figures.against_each)
+    each.push_back({{"label", a.label}, {"x", a.x}, {"before", a.before}, {"after", a.after}});
+  return each;
+}
+
+}  // namespace stillpoint::diag

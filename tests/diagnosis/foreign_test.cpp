@@ -1,0 +1,115 @@
+/// A log of another simulator in the place of ours: the same answer, whatever its clock; what cannot be compared is
+/// refused by name.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "diagnosis/foreign/foreign.h"
+#include "tests/diagnosis/simulated.h"
+
+namespace stillpoint::diag {
+namespace {
+
+constexpr std::uint64_t kSeed = 7;
+
+sim::SimulationConfig scene() {
+  sim::SimulationConfig s = test::baseline("none", 70.0);
+  for (auto* triad : {&s.accelerometer, &s.gyroscope, &s.magnetometer}) (*triad)->bias.setZero();
+  return s;
+}
+
+/// What another program would say of the same motion: another rate, a clock that began earlier, no reference.
+io::Recording their_log(double noise = 1e-4) {
+  sim::SimulationConfig s = scene();
+  s.rate_hz = 83;
+  for (auto* triad : {&s.accelerometer, &s.gyroscope, &s.magnetometer}) (*triad)->noise_sd *= noise;
+  io::Recording log = test::record(s, "", {}, kSeed);
+  for (auto& t : log.t_ns) t += 12'345'678'901;
+  log.temp_degC.clear(), log.current_A.clear(), log.supply_V.clear();
+  return log;
+}
+
+io::Recording ours(const std::string& id, const test::Parameters& parameters) {
+  return test::record(scene(), id, parameters, kSeed);
+}
+
+void keep_from(io::Recording& r, std::size_t first) {
+  const auto cut = [first](auto& column) {
+    if (!column.empty()) column.erase(column.begin(), column.begin() + static_cast<std::ptrdiff_t>(first));
+  };
+  cut(r.t_ns), cut(r.acc_mps2), cut(r.gyr_radps), cut(r.mag_uT);
+}
+
+std::string refusal(const io::Recording& log) {
+  const auto found = diagnose_log(log, ours("", {}));
+  return found ? "accepted" : found.error().message;
+}
+
+TEST(ForeignLog, GivesTheSameNameAsOurOwnSimulation) {
+  const auto found =
+      diagnose_log(their_log(), ours("gyr_gsens", {{"G_radps_per_mps2", {4e-4, 0, 0, 0, -3e-4, 0, 0, 0, 5e-4}}}));
+  ASSERT_TRUE(found) << found.error().message;
+  EXPECT_THAT(test::names(found->answer), testing::Contains("gyr_gsens")) << found->answer.diagnosis.summary;
+}
+
+TEST(ForeignLog, WithNothingMissingIsNoMismatch) {
+  const auto found = diagnose_log(their_log(), ours("", {}));
+  ASSERT_TRUE(found) << found.error().message;
+  EXPECT_THAT(test::names(found->answer), testing::IsEmpty()) << found->answer.diagnosis.summary;
+}
+
+TEST(ForeignLog, ClockIsFoundThoughTheLogBeginsLater) {
+  io::Recording log = their_log();
+  keep_from(log, 830);
+  const auto aligned = align(log, ours("", {}));
+  ASSERT_TRUE(aligned) << aligned.error().message;
+  EXPECT_NEAR(aligned->offset_s, -10.0, 1e-4);
+  EXPECT_NEAR(aligned->drift, 0.0, 1e-5);
+  EXPECT_EQ(aligned->outside.front(), 1);
+}
+
+TEST(ForeignLog, WithTheFoundPhysicsInItLeavesNothingToFind) {
+  const io::Recording recording = ours("gyr_gsens", {{"G_radps_per_mps2", {4e-4, 0, 0, 0, -3e-4, 0, 0, 0, 5e-4}}});
+  const auto first = diagnose_log(their_log(), recording);
+  ASSERT_TRUE(first) << first.error().message;
+  EXPECT_FALSE(first->answer.effects.empty()) << first->answer.diagnosis.summary;
+  const auto second = diagnose_log(first->improved, recording);
+  ASSERT_TRUE(second) << second.error().message;
+  EXPECT_THAT(test::names(second->answer), testing::IsEmpty()) << second->answer.diagnosis.summary;
+}
+
+TEST(ForeignLog, InDegreesIsNamed) {
+  io::Recording log = their_log();
+  for (Vec3& w : log.gyr_radps) w *= 57.29578;
+  EXPECT_THAT(refusal(log), testing::HasSubstr("deg/s"));
+}
+
+TEST(ForeignLog, WithOtherAxesIsNamedWithTheMountThatTurnsThem) {
+  io::Recording log = their_log();
+  for (Vec3& w : log.gyr_radps) w = Vec3(w.y(), -w.x(), w.z());
+  EXPECT_THAT(refusal(log), testing::HasSubstr("-y +x +z"));
+}
+
+TEST(ForeignLog, OfAnotherMotionIsRefused) {
+  sim::SimulationConfig s = scene();
+  EXPECT_THAT(refusal(test::record(s, "", {}, kSeed + 1)), testing::HasSubstr("another motion"));
+}
+
+TEST(ForeignLog, ThatPartsFromTheRecordingIsRefusedWithTheTime) {
+  io::Recording log = their_log();
+  for (std::size_t i = 0; i < log.size(); ++i)
+    if (log.t_s(i) - log.t_s(0) > 40.0) log.gyr_radps[i] = Vec3(-log.gyr_radps[i].z(), log.gyr_radps[i].x(), 0.3);
+  const std::string why = refusal(log);
+  EXPECT_THAT(why, testing::HasSubstr("part at"));
+  EXPECT_TRUE(why.find("at 38") != std::string::npos || why.find("at 40") != std::string::npos ||
+              why.find("at 42") != std::string::npos)
+      << why;
+}
+
+TEST(ForeignLog, ThatIsNoisierThanTheRecordingIsTold) {
+  const auto aligned = align(their_log(2.0), ours("", {}));
+  ASSERT_TRUE(aligned) << aligned.error().message;
+  EXPECT_THAT(aligned->notices, testing::Contains(testing::HasSubstr("twice")));
+}
+
+}  // namespace
+}  // namespace stillpoint::diag

@@ -1,0 +1,64 @@
+/// A line that is switched on for a while, and whether the sensor has it or the reference brings it in.
+#include "diagnosis/reference/line_evidence.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+#include <random>
+
+namespace stillpoint::diag {
+namespace {
+
+constexpr Eigen::Index kRows = 6000;
+constexpr double kStep_s = 0.01, kLine_Hz = 22.3;
+
+Series3 noise(std::uint64_t seed) {
+  std::mt19937_64 engine(seed);
+  std::normal_distribution<double> normal;
+  Series3 x(kRows, 3);
+  for (double& v : x.reshaped()) v = normal(engine);
+  return x;
+}
+
+Series3 line(Eigen::Index begin, Eigen::Index end) {
+  Series3 x = Series3::Zero(kRows, 3);
+  for (Eigen::Index i = begin; i < end; ++i)
+    x.row(i).setConstant(std::sin(2.0 * std::numbers::pi * kLine_Hz * kStep_s * static_cast<double>(i)));
+  return x;
+}
+
+Signals rows() {
+  Signals s;
+  s.n = kRows;
+  s.dt_s = s.rows.step_s = kStep_s;
+  s.t_s = Series::LinSpaced(kRows, 0.0, kStep_s * (kRows - 1));
+  s.muted[kGyr].assign(kRows, 0);
+  return s;
+}
+
+TEST(LineEvidence, ALineThatLastsAWhileIsToldWithItsTimes) {
+  const Signals s = rows();
+  Layout layout;
+  layout.n = kRows;
+  layout.present = layout.counts = Eigen::ArrayXd::Ones(kRows);
+  const Window w = stretch_of_line(noise(1) + line(1800, 4200), layout, s.t_s, kLine_Hz, kStep_s);
+  ASSERT_TRUE(w.local);
+  EXPECT_NEAR(static_cast<double>(w.begin), 1800.0, 100.0);
+  EXPECT_NEAR(static_cast<double>(w.end), 4200.0, 100.0);
+  EXPECT_FALSE(stretch_of_line(noise(2) + line(0, kRows), layout, s.t_s, kLine_Hz, kStep_s).local);
+}
+
+TEST(LineEvidence, TheReadingAloneShowsWhatTheSensorHas) {
+  Signals s = rows();
+  const Series3 residual = noise(3) + line(0, kRows);
+  s.reading[kGyr] = residual;
+  EXPECT_TRUE(stands_in_reading(s, kGyr, residual, {}, kLine_Hz));
+  s.reading[kGyr] = noise(3);
+  EXPECT_FALSE(stands_in_reading(s, kGyr, residual, {}, kLine_Hz)) << "the reference brings it in";
+  s.reading[kGyr] = residual + 40.0 * noise(4);
+  EXPECT_FALSE(stands_in_reading(s, kGyr, residual, {}, kLine_Hz)) << "motion hides the answer";
+}
+
+}  // namespace
+}  // namespace stillpoint::diag

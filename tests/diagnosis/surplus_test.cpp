@@ -1,0 +1,69 @@
+/// Physics that the simulation has and the sensor has not is named, and not in the improved simulation.
+#include <gtest/gtest.h>
+
+#include "diagnosis/improved.h"
+#include "tests/diagnosis/simulated.h"
+
+namespace stillpoint::diag {
+namespace {
+
+const test::Parameters kThermal{{"k_radps_per_K", {8e-4, -5e-4, 6e-4}}};
+const test::Parameters kArm{{"r_m", {0.1, -0.05, 0.08}}};
+
+sim::SimulationConfig with(sim::SimulationConfig config, const std::string& id, const test::Parameters& parameters) {
+  config.effects.push_back({.id = id, .parameters = parameters, .axes = {}, .window_s = {}});
+  return config;
+}
+
+class SurplusPhysics : public testing::TestWithParam<const char*> {};
+
+TEST_P(SurplusPhysics, AnEffectThatTheSensorHasNotIsNamedAndTakenOut) {
+  const auto truth = test::baseline(GetParam());
+  const io::Recording recording = test::record(truth, "", {}, 3);
+  const auto simulation = with(with(truth, "gyr_temp_lin", kThermal), "acc_lever", kArm);
+  const Answer answer = diagnose(recording, simulation);
+  EXPECT_EQ(answer.diagnosis.verdict, Verdict::kSurplusPhysics) << answer.diagnosis.summary;
+  EXPECT_TRUE(test::names(answer).empty());
+  ASSERT_EQ(answer.diagnosis.surplus.size(), 2U);
+  for (const Surplus& s : answer.diagnosis.surplus) EXPECT_NEAR(s.in_recording, 0.0, 0.1) << s.effect;
+  EXPECT_TRUE(improved_by(answer, simulation).effects.empty());
+}
+
+TEST_P(SurplusPhysics, AnEffectOfHalfTheSizeIsSurplusAndFoundAgain) {
+  const auto truth = test::baseline(GetParam());
+  const io::Recording recording = test::record(truth, "acc_lever", {{"r_m", {0.05, -0.025, 0.04}}}, 4);
+  const auto simulation = with(truth, "acc_lever", kArm);
+  const Answer answer = diagnose(recording, simulation);
+  ASSERT_EQ(answer.diagnosis.surplus.size(), 1U);
+  EXPECT_NEAR(answer.diagnosis.surplus[0].in_recording, 0.5, 0.05);
+  EXPECT_EQ(test::names(answer), std::vector<std::string>{"acc_lever"});
+  const auto improved = improved_by(answer, simulation);
+  ASSERT_EQ(improved.effects.size(), 1U);
+  EXPECT_NEAR(improved.effects[0].parameters.at("r_m")[0], 0.05, 0.005);
+}
+
+TEST_P(SurplusPhysics, WhatTheRecordingHoldsStays) {
+  const auto truth = test::baseline(GetParam());
+  const io::Recording recording = test::record(truth, "gyr_temp_lin", kThermal, 5);
+  const Answer answer = diagnose(recording, with(truth, "gyr_temp_lin", kThermal));
+  EXPECT_EQ(answer.diagnosis.verdict, Verdict::kNoMismatch) << answer.diagnosis.summary;
+  EXPECT_TRUE(answer.diagnosis.surplus.empty());
+}
+
+TEST_P(SurplusPhysics, ACopiedRandomWalkIsNamedAndARealOneIsNot) {
+  for (const bool real : {false, true}) {
+    const auto still = test::baseline(GetParam());
+    auto walking = still;
+    walking.gyroscope->random_walk_per_sqrts = 3e-4;
+    const io::Recording recording = test::record(real ? walking : still, "", {}, 6);
+    const Answer answer = diagnose(recording, walking);
+    EXPECT_TRUE(test::names(answer).empty()) << answer.diagnosis.summary;
+    EXPECT_EQ(answer.diagnosis.surplus.size(), real ? 0U : 1U) << answer.diagnosis.summary;
+    EXPECT_EQ(improved_by(answer, walking).gyroscope->random_walk_per_sqrts, real ? 3e-4 : 0.0);
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Reference, SurplusPhysics, testing::Values("exact", "mocap"));
+
+}  // namespace
+}  // namespace stillpoint::diag
