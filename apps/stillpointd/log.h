@@ -1,11 +1,11 @@
-/// What the daemon says: one line an event on standard error.
+/// What the daemon says: one line an event on standard error, waited for by nobody.
 #pragma once
-#include <cstdio>
 #include <string>
+
+#include "io/log_line.h"
 
 namespace stillpoint::app {
 
-/// A closed or full standard error loses the line; that is no reason to end (fmt::print would throw).
-inline void log(const std::string& line) { std::fputs(("stillpointd: " + line + '\n').c_str(), stderr); }
+inline void log(const std::string& line) { io::log_line("stillpointd: " + line); }
 
 }  // namespace stillpoint::app

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "apps/stillpointd/log.h"
+#include "io/calibration_state.h"
 
 namespace stillpoint::app {
 namespace {
@@ -33,31 +34,60 @@ CalibrationMessage to_message(const CalibrationSnapshot& snapshot, const std::st
   return {snapshot, sensor_id, {reason(snapshot.acc), reason(snapshot.gyr), reason(snapshot.mag)}};
 }
 
+/// The readings, bias and matrix not applied, in the axes of the body.
+RawSample in_body_axes(const RawSample& sample, const pipeline::OutputFrame& frame) {
+  CalibratedSample body;
+  body.acc_mps2 = sample.acc_mps2;
+  body.gyr_radps = sample.gyr_radps;
+  body.mag_uT = sample.mag_uT;
+  body = pipeline::in_frame(body, frame);
+  RawSample out = sample;
+  out.acc_mps2 = body.acc_mps2;
+  out.gyr_radps = body.gyr_radps;
+  out.mag_uT = body.mag_uT;
+  return out;
+}
+
+Mat3 rotation_to_body(const pipeline::OutputFrame& frame) {
+  const Mat3 R = frame.q_body_sensor.toRotationMatrix();
+  return frame.world == pipeline::WorldFrame::kNed ? Mat3(Vec3(1, -1, -1).asDiagonal() * R) : R;
+}
+
+/// For `systemctl status`.
+std::string one_line(const DiagnosticsMessage& d) {
+  return fmt::format("{}, {:.1f} Hz, {}{}", name(d.status), d.rate_hz, d.message,
+                     d.missing.empty() ? "" : "; " + d.missing);
+}
+
 }  // namespace
 
-SlowWork::SlowWork(const io::DaemonConfig& config, io::DdsPublisher& publisher, calib::OnlineCalibrator& calibrator,
-                   const io::StateStore* store, const pipeline::Shared& shared)
-    : config_(config),
-      frame_(io::stages_params(config).frame),
-      publisher_(publisher),
-      calibrator_(calibrator),
-      store_(store),
+SlowWork::SlowWork(const SlowWorkParts& parts, const pipeline::Shared& shared)
+    : parts_(parts),
+      config_(parts.config),
+      frame_(io::stages_params(parts.config).frame),
       shared_(shared),
+      watch_(parts.source),
       start_ns_(monotonic_ns()),
       last_tick_ns_(start_ns_),
       last_save_ns_(start_ns_) {
-  publisher_.publish_calibration(to_message(calibrator_.snapshot(), config_.sensor.id));
+  parts_.wire.publish_calibration(to_message(parts_.calibrator.snapshot(), config_.sensor.id));
 }
 
 void SlowWork::on_sample(const pipeline::Outgoing& sample) {
-  publisher_.publish_raw(sample.raw, sample.arrival_ns);
+  watch_.on_sample(sample.raw);
+  parts_.wire.publish_raw(sample.raw, sample.arrival_ns);
   if (!sample.published) return;
-  publisher_.publish_imu(sample.message, pipeline::in_frame(sample.sample, frame_));
+  noise_.add(sample.raw, sample.message.at_rest);
+  if (config_.dds.ros2) {
+    const CalibratedSample calibrated = pipeline::in_frame(sample.sample, frame_);
+    const RawSample raw = in_body_axes(sample.raw, frame_);
+    parts_.wire.publish_imu({sample.message, calibrated, raw, covariances_});
+  }
   last_ = sample.message;
 }
 
 void SlowWork::on_calibration(const pipeline::Evidence& evidence, const CalibrationSnapshot& s) {
-  publisher_.publish_calibration(to_message(s, config_.sensor.id));
+  parts_.wire.publish_calibration(to_message(s, config_.sensor.id));
   unsaved_ = true;
   log(fmt::format(
       "calibration version={} t_s={:.2f} temp_degC={:.1f} gyr_bias_radps={:.5f},{:.5f},{:.5f} ({}) "
@@ -68,17 +98,17 @@ void SlowWork::on_calibration(const pipeline::Evidence& evidence, const Calibrat
 
 bool SlowWork::stale(const pipeline::SensorReport& report, std::int64_t now_ns) const {
   if (report.last_arrival_ns == 0 || report.state != pipeline::SensorState::kRunning) return true;
-  return static_cast<double>(now_ns - report.last_arrival_ns) > 1e9 * config_.stale_after_s;
+  return static_cast<double>(now_ns - report.last_arrival_ns) > 1e9 * parts_.live.stale_after_s;
 }
 
 void SlowWork::log_neighbours() {
-  const io::Neighbours now = publisher_.neighbours();
+  const io::Neighbours& now = outlet_.neighbours;
   if (now == told_neighbours_) return;
-  const auto& dds = config_.dds;
+  const io::DdsParams dds = io::in_namespace(config_.dds);
   if (now.publishers > told_neighbours_.publishers)
     log(
         fmt::format("{} other program(s) publish '{}' in domain {}: a subscriber gets all of them mixed; give one "
-                    "another dds.domain or dds.attitude_topic",
+                    "another dds.domain or dds.namespace",
                     now.publishers, dds.attitude_topic, dds.domain));
   if (now.of_other_type > told_neighbours_.of_other_type)
     log(
@@ -87,7 +117,30 @@ void SlowWork::log_neighbours() {
                     now.of_other_type, dds.attitude_topic, dds.domain));
   if (now.refused > told_neighbours_.refused)
     log(fmt::format("a subscriber of '{}' gets nothing: it asks for {}", dds.attitude_topic, now.asked_for));
+  if (now.unreachable > told_neighbours_.unreachable)
+    log(fmt::format(
+        "participant '{}' in domain {} cannot match: it names no address that dds.interface: {} reaches; let "
+        "it use UDP on this machine, or set dds.interface to the address of its network",
+        now.unreachable_name, dds.domain, dds.interface));
   told_neighbours_ = now;
+}
+
+/// A stranger may send as many as he likes: told when the number has doubled.
+void SlowWork::log_refused_datagrams() {
+  const io::RefusedDatagrams& now = outlet_.datagrams;
+  const auto tell = [](std::uint64_t count, std::uint64_t& told, const char* what) {
+    if (count < 2 * told || count == told) return;
+    log(fmt::format("{} datagrams refused so far: {}", count, what));
+    told = count;
+  };
+  tell(now.malformed, told_datagrams_.malformed, "malformed, and Fast DDS would read them");
+  tell(now.off_host, told_datagrams_.off_host,
+       "from another machine; a participant there cannot match while dds.interface is 127.0.0.1");
+  tell(now.flooded, told_datagrams_.flooded, "announcements of more new participants than can be real");
+}
+
+void SlowWork::tell_news() {
+  for (const auto& line : watch_.news()) log(line);
 }
 
 void SlowWork::log_changes(const pipeline::SensorReport& report, bool is_stale) {
@@ -95,9 +148,11 @@ void SlowWork::log_changes(const pipeline::SensorReport& report, bool is_stale) 
   if (is_stale != told_stale_ && is_stale)
     log(report.state == pipeline::SensorState::kEnded
             ? "STALE: the source has ended"
-            : fmt::format("STALE: no sample for {} s; nothing is repeated", config_.stale_after_s));
+            : fmt::format("STALE: no sample for {} s; nothing is repeated", parts_.live.stale_after_s.load()));
   told_stale_ = is_stale;
+  tell_news();
   log_neighbours();
+  log_refused_datagrams();
   const auto tell = [](std::uint64_t now, std::uint64_t& told, const char* what) {
     if (now > told) log(fmt::format("{} {} so far", now, what));
     told = now;
@@ -120,15 +175,25 @@ DiagnosticsMessage SlowWork::diagnostics(const pipeline::SensorReport& report, s
   d.longest_gap_s = 1e-9 * static_cast<double>(report.guard.longest_gap_ns);
   d.dropped = report.ring_dropped + report.stages.evidence_dropped;
   d.clipped = report.guard.clipped;
-  d.refused = report.guard.refused + report.stages.gate_refused;
+  d.refused = report.guard.refused;
+  d.not_finite = report.guard.not_finite + report.guard.spikes;
   d.write_failures = report.write_failures;
   d.temp_degC = last_.temp_degC;
   d.status = is_stale ? AttitudeStatus::kStale : last_.status;
   d.heading_reference = last_.heading_reference;
+  d.health = last_.health;
   d.sensor_id = config_.sensor.id;
   d.message = is_stale ? "no sample from the source"
                        : fmt::format("{} rest windows, calibration version {}", report.stages.windows,
-                                     calibrator_.snapshot().version);
+                                     parts_.calibrator.snapshot().version);
+  const io::RefusedDatagrams& datagrams = outlet_.datagrams;
+  d.datagrams_malformed = datagrams.malformed;
+  d.datagrams_off_host = datagrams.off_host;
+  d.datagrams_flooded = datagrams.flooded;
+  d.source = config_.source.description();
+  d.missing = parts_.troubles.all();
+  if (watch_.implausible() && d.status == AttitudeStatus::kOk) d.status = AttitudeStatus::kDegraded;
+  if (!watch_.trouble().empty()) d.missing += (d.missing.empty() ? "" : "; ") + watch_.trouble();
   d.last_refusal = std::string(calib::name(report.last_refusal));
   d.latency_counts = shared_.latency.counts();
   d.latency_max_ns = shared_.latency.max_ns();
@@ -137,21 +202,23 @@ DiagnosticsMessage SlowWork::diagnostics(const pipeline::SensorReport& report, s
 
 void SlowWork::on_tick(const pipeline::SensorReport& report, std::int64_t now_ns) {
   const bool is_stale = stale(report, now_ns);
+  outlet_ = parts_.wire.report();
   log_changes(report, is_stale);
-  publisher_.publish_diagnostics(diagnostics(report, now_ns, is_stale));
+  covariances_ = noise_.covariances(parts_.calibrator.snapshot(), rotation_to_body(frame_));
+  const DiagnosticsMessage d = diagnostics(report, now_ns, is_stale);
+  parts_.wire.publish_diagnostics(d);
+  parts_.service.status(one_line(d));
   last_samples_ = report.guard.samples;
   last_tick_ns_ = now_ns;
-  if (static_cast<double>(now_ns - last_save_ns_) > 1e9 * config_.state.save_period_s) save();
+  if (static_cast<double>(now_ns - last_save_ns_) > 1e9 * parts_.live.save_period_s) save();
 }
 
 void SlowWork::save() {
   last_save_ns_ = monotonic_ns();
-  if (store_ == nullptr || !unsaved_) return;
-  const calib::OnlineCalibrator::State state = calibrator_.state();
-  const auto saved = store_->save(std::as_bytes(std::span(&state, 1)));
-  if (!saved && !told_save_failure_) log(saved.error().message);
-  told_save_failure_ = !saved;
-  unsaved_ = !saved;
+  if (parts_.keeper == nullptr || !unsaved_) return;
+  const std::string text = io::calibration_text(parts_.calibrator);
+  parts_.keeper->keep(std::as_bytes(std::span(text)));
+  unsaved_ = false;
 }
 
 }  // namespace stillpoint::app

@@ -27,14 +27,36 @@ Result<AnySource> open_simulation(const std::string& path, int seed) {
       *simulation, std::shared_ptr<const sim::Motion>(sim::make_motion(*simulation->motion, stream)), stream)));
 }
 
+/// A live source, with what it has to tell.
+template <class Source>
+Result<AnySource> live(Result<Source> source, const io::SourceConfig& config) {
+  if (!source) return fail(source.error().kind, config.place + ": " + source.error().message);
+  sources::ReportCell report = source->report();
+  return AnySource(std::move(*source), std::move(report));
+}
+
+Result<AnySource> open_any(const io::DaemonConfig& config) {
+  const io::SourceConfig& source = config.source;
+  switch (source.kind) {
+    case io::SourceKind::kStream:
+      return live(sources::StreamSource::create(source.stream, source.reopen_at_most_s), source);
+    case io::SourceKind::kRos2:
+      return live(sources::Ros2Source::create(source.ros2, config.dds), source);
+    case io::SourceKind::kIio:
+      return live(Result<sources::IioSource>(sources::IioSource(source.iio, source.reopen_at_most_s)), source);
+    case io::SourceKind::kSimulation:
+      return open_simulation(source.file, source.seed);
+    default:
+      return open_recording(source.file);
+  }
+}
+
 }  // namespace
 
-Result<DaemonSource> open_source(const io::SourceConfig& config) {
-  auto source = config.kind == io::SourceKind::kSimulation ? open_simulation(config.file, config.seed)
-                                                           : open_recording(config.file);
+Result<DaemonSource> open_source(const io::DaemonConfig& config) {
+  auto source = open_any(config);
   if (!source) return tl::unexpected(source.error());
-  return DaemonSource(pipeline::PacedSource<AnySource>(std::move(*source), config.speed),
-                      config.faults.value_or(pipeline::FaultParams{}));
+  return DaemonSource(std::move(*source), config.source);
 }
 
 }  // namespace stillpoint::app
