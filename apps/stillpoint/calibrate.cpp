@@ -1,4 +1,5 @@
-/// `stillpoint calibrate`: one method on a table of static readings, or the online calibration over a recording.
+/// `stillpoint calibrate`: one method on a table of static readings, the online calibration over a recording, or how
+/// the sensor sits on the body.
 #include "apps/stillpoint/calibrate.h"
 
 #include "apps/stillpoint/commands.h"
@@ -7,7 +8,9 @@ namespace stillpoint::app {
 namespace {
 
 struct Arguments {
-  std::string points, method, recording, state;
+  std::string points, method, recording;
+  RecordingOptions of_recording;
+  MountOptions of_mount;
   JsonOption json;
   std::vector<double> initial_centre;
   double initial_radius = 0.0, full_scale_g = 0.0;
@@ -16,9 +19,19 @@ struct Arguments {
 };
 
 int run_calibrate(Arguments a) {
-  if (a.points.empty() == a.recording.empty())
-    return report({ErrorKind::kUsage, "calibrate needs --points FILE --method METHOD, or --recording FILE"});
-  if (!a.recording.empty()) return calibrate_recording(a.recording, a.json.file(), a.state);
+  const bool mount = !a.of_mount.recordings.empty();
+  if (!a.points.empty() + !a.recording.empty() + mount != 1)
+    return report(
+        {ErrorKind::kUsage, "calibrate needs --points FILE --method METHOD, or --recording FILE, or --mount FILE..."});
+  const RecordingOptions& r = a.of_recording;
+  if (!a.points.empty() && (!r.output.empty() || r.latitude_deg))
+    return report({ErrorKind::kUsage, "calibrate: --output and --latitude need --recording or --mount"});
+  if (mount) {
+    a.of_mount.output = r.output;
+    a.of_mount.latitude_deg = r.latitude_deg;
+    return calibrate_mount(a.of_mount, a.json.file());
+  }
+  if (!a.recording.empty()) return calibrate_recording(a.recording, a.json.file(), a.of_recording);
   if (!a.initial_centre.empty())
     a.options.initial_centre = Vec3(a.initial_centre[0], a.initial_centre[1], a.initial_centre[2]);
   if (a.initial_radius > 0.0) a.options.initial_radius = a.initial_radius;
@@ -39,8 +52,39 @@ void add_calibrate(CLI::App& app, Run& run) {
   auto* recording = add_file(*command, "--recording", a.recording,
                              "recording (.csv): detect rest and run the online calibration over it");
   points->excludes(recording);
+  auto* mount = command->add_option("--mount", a.of_mount.recordings,
+                                    "recordings (.csv) of rests in stated poses and the turns between them: first the "
+                                    "body as it stands, level, then tipped so that its front is up (body x), then on "
+                                    "its other sides as you like, 3 s each; tells how each sensor sits on the body");
+  mount->type_name(kFileType)->excludes(points)->excludes(recording);
+  command
+      ->add_option("--faces", a.of_mount.faces,
+                   "with --mount: the body's axes that are up, rest by rest, such as +z,+x,-y; x forward, y left")
+      ->check(CLI::IsMember({"+x", "-x", "+y", "-y", "+z", "-z"}))
+      ->delimiter(',')
+      ->needs(mount)
+      ->capture_default_str();
+  command->add_option("--pose-sd", a.of_mount.pose_sd_deg, "with --mount: how well each pose is kept, deg (sd)")
+      ->check(between(0.01, 10.0))
+      ->needs(mount)
+      ->capture_default_str();
   a.json.add(*command, "write the result");
-  add_file(*command, "--state", a.state, "with --recording: what was learnt; read if it is there, written at the end")
+  RecordingOptions& r = a.of_recording;
+  add_file(*command, "--config", r.config, "with --recording: the daemon's configuration; its sensor and priors serve")
+      ->needs(recording);
+  add_file(*command, "--output", r.output,
+           "what was found, YAML for the daemon: with --recording a 'sensor:', with --mount the mounts");
+  command->add_option("--sensor-id", r.sensor_id, "with --recording: the sensor, whatever the recording calls it")
+      ->needs(recording);
+  auto* gravity = command->add_option("--gravity", r.gravity_mps2, "with --recording: where it was made, m/s^2");
+  gravity->needs(recording)->check(between(9.7, 9.9));
+  command
+      ->add_option(
+          "--latitude", r.latitude_deg,
+          "with --recording: the same by the latitude, deg, at sea level; with --mount: the side of the equator")
+      ->excludes(gravity)
+      ->check(between(-90.0, 90.0));
+  add_file(*command, "--state", r.state, "with --recording: what was learnt; read if it is there, written at the end")
       ->needs(recording);
   command->add_option("--method", a.method, "with --points: " + names)->needs(points);
   const auto of_points = [&](const char* name, auto& value, const char* help) {

@@ -9,13 +9,17 @@
 #include <span>
 
 #include "apps/stillpoint/calibrate.h"
+#include "apps/stillpoint/calibrate_output.h"
 #include "apps/stillpoint/calibrate_report.h"
 #include "apps/stillpoint/commands.h"
 #include "apps/stillpoint/json_text.h"
+#include "apps/stillpoint/plausible.h"
 #include "apps/stillpoint/progress.h"
 #include "calib_online/field_turns.h"
 #include "calib_online/online_calibrator.h"
 #include "calib_online/rest_detector.h"
+#include "io/calibration_state.h"
+#include "io/config.h"
 #include "io/quote.h"
 #include "io/recording.h"
 #include "io/state_file.h"
@@ -38,15 +42,17 @@ Result<void> read_state(const std::string& path, std::string& sensor_id, calib::
   if (!sensor_id.empty() && file->sensor_id != sensor_id && file->sensor_id != kUnnamed)
     return refused(
         fmt::format("it is of the sensor {}, the recording of {}", io::quote(file->sensor_id), io::quote(sensor_id)));
-  if (!calibrator.restore(file->payload)) return refused("of another version, or not finite");
+  const auto taken = io::restore_calibration(file->text(), calibrator);
+  if (!taken) return refused(taken.error().message);
+  for (const std::string& remark : *taken) tell(fmt::format("{}: {}", path, remark));
   if (sensor_id.empty()) sensor_id = file->sensor_id;
   return {};
 }
 
 Result<void> write_state(const std::string& path, const std::string& sensor_id,
                          const calib::OnlineCalibrator& calibrator) {
-  const auto state = calibrator.state();
-  const auto bytes = std::as_bytes(std::span(&state, 1));
+  const std::string text = io::calibration_text(calibrator);
+  const auto bytes = std::as_bytes(std::span(text));
   return io::write_state_file(path, {sensor_id.empty() ? kUnnamed : sensor_id, {bytes.begin(), bytes.end()}});
 }
 
@@ -73,12 +79,11 @@ double middle_norm(const std::vector<Vec3>& readings) {
   return *middle;
 }
 
-CalibrationRun calibrate(const io::Recording& recording, calib::OnlineCalibrator& calibrator, double gravity_mps2) {
+CalibrationRun calibrate(const io::Recording& recording, calib::OnlineCalibrator& calibrator,
+                         calib::RestDetectorParams params) {
   CalibrationRun run;
-  run.gravity_mps2 = gravity_mps2;
-  run.factory = CalibrationSnapshot{};
-  calib::RestDetectorParams params;
-  params.gravity_mps2 = gravity_mps2;
+  run.gravity_mps2 = params.gravity_mps2 = calibrator.params().gravity_mps2;
+  run.factory = calibrator.factory();
   calib::RestDetector detector(params);
   calib::FieldTurnFinder turns;
   Progress progress("calibrating");
@@ -96,49 +101,74 @@ CalibrationRun calibrate(const io::Recording& recording, calib::OnlineCalibrator
   }
   run.middle_norm_mps2 = middle_norm(recording.acc_mps2);
   run.learnt = calibrator.snapshot();
+  run.state = calibrator.state();
   run.has_mag = !recording.mag_uT.empty();
   run.duration_s = recording.t_s(recording.size() - 1) - recording.t_s(0);
   return run;
 }
 
+/// Somigliana's formula on the ellipsoid of WGS 84.
+double gravity_at(double latitude_deg) {
+  const double s = std::pow(std::sin(latitude_deg * kRadPerDeg), 2);
+  return 9.7803253359 * (1.0 + 0.00193185265241 * s) / std::sqrt(1.0 - 0.00669437999014 * s);
+}
+
 /// The recording's own, where its header states one that the Earth has.
-double local_gravity_mps2(const io::Recording& recording, const std::string& path) {
+std::optional<double> local_gravity_mps2(const io::Recording& recording, const std::string& path) {
   const auto stated = recording.header.find("gravity_mps2");
-  if (stated == recording.header.end()) return kStandardGravity_mps2;
+  if (stated == recording.header.end()) return std::nullopt;
   const double given = std::strtod(stated->second.c_str(), nullptr);
   if (given > 9.7 && given < 9.9) return given;
   tell(fmt::format("{}: {} after '# gravity_mps2:' is no gravity of the Earth (9.7 to 9.9); {} is used", path,
                    io::quote(stated->second), kStandardGravity_mps2));
-  return kStandardGravity_mps2;
+  return std::nullopt;
 }
 
 }  // namespace
 
-int calibrate_recording(const std::string& path, const std::string& json, const std::string& state) {
+int calibrate_recording(const std::string& path, const std::string& json, const RecordingOptions& options) {
   const auto recording = io::read_recording(path);
   if (!recording) return report(recording.error());
   if (recording->acc_mps2.empty() || recording->acc_in_counts || recording->gyr_in_counts)
     return report(
         {ErrorKind::kBadData,
          path + ": the calibration needs acc_*_mps2 or acc_*_g, and a gyroscope in rad/s or deg/s, not counts"});
-  const double gravity_mps2 = local_gravity_mps2(*recording, path);
-  calib::OnlineCalibratorParams params;
-  params.gravity_mps2 = gravity_mps2;
-  calib::OnlineCalibrator calibrator(params, CalibrationSnapshot{});
+  warn_if_implausible(*recording, path);
+  io::DaemonConfig config;
+  if (!options.config.empty()) {
+    auto read = io::read_config(options.config);
+    if (!read) return report(read.error());
+    config = std::move(*read);
+  }
+  calib::OnlineCalibratorParams params = config.calibration.online;
+  const auto gravity_mps2 = options.gravity_mps2   ? options.gravity_mps2
+                            : options.latitude_deg ? std::optional(gravity_at(*options.latitude_deg))
+                                                   : local_gravity_mps2(*recording, path);
+  params.gravity_mps2 = gravity_mps2.value_or(params.gravity_mps2);
+  calib::OnlineCalibrator calibrator(params, io::factory_calibration(config.sensor));
   const auto named = recording->header.find("sensor");
-  std::string sensor_id = named != recording->header.end() ? named->second : "";
-  if (!state.empty())
-    if (const auto learnt = read_state(state, sensor_id, calibrator); !learnt) return report(learnt.error());
+  std::string sensor_id = !options.sensor_id.empty()         ? options.sensor_id
+                          : named != recording->header.end() ? named->second
+                          : !options.config.empty()          ? config.sensor.id
+                                                             : "";
+  if (!options.state.empty())
+    if (const auto learnt = read_state(options.state, sensor_id, calibrator); !learnt) return report(learnt.error());
   for (const auto& line : io::describe(recording->issues)) tell(fmt::format("{}: {}", path, line));
-  const CalibrationRun run = calibrate(*recording, calibrator, gravity_mps2);
+  CalibrationRun run = calibrate(*recording, calibrator, config.rest);
+  run.gravity_stated = gravity_mps2.has_value() || !options.config.empty();
   Result<void> written;
   if (!json.empty())
     written = io::write_text_file(json, json_text(to_json(path, run)));
   else
     print(path, run);
   // Last: what the run found is shown even where it cannot be kept.
-  if (!state.empty())
-    if (const auto kept = write_state(state, sensor_id, calibrator); !kept) return report(kept.error());
+  if (!options.output.empty()) {
+    const std::string id = sensor_id.empty() ? kUnnamed : sensor_id;
+    const auto kept = io::write_text_file(options.output, sensor_yaml(id, run.learnt, run.has_mag));
+    if (!kept) return report(kept.error());
+  }
+  if (!options.state.empty())
+    if (const auto kept = write_state(options.state, sensor_id, calibrator); !kept) return report(kept.error());
   return written ? 0 : report(written.error());
 }
 

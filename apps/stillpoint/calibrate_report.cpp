@@ -1,5 +1,7 @@
 #include "apps/stillpoint/calibrate_report.h"
 
+#include "apps/stillpoint/calibrate_quantities.h"
+
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -27,29 +29,16 @@ std::vector<std::string> missing(const CalibrationRun& run) {
                       run.middle_norm_mps2));
     return out;
   }
-  std::array<int, 6> faces{};
-  std::size_t with_gyr = 0, turned = 0;
-  for (const auto& w : run.windows) {
-    const Vec3 u = run.learnt.acc.apply(w.acc_mps2, w.temp_degC).normalized();
-    for (int k = 0; k < 3; ++k) {
-      if (u[k] > 0.7) ++faces[static_cast<std::size_t>(2 * k)];
-      if (u[k] < -0.7) ++faces[static_cast<std::size_t>(2 * k + 1)];
+  for (const Quantity& q : quantities(run))
+    for (const std::string& what : q.missing) {
+      const std::string line = q.name.substr(0, q.name.find(',')) + ": " + what;
+      if (std::find(out.begin(), out.end(), line) == out.end()) out.push_back(line);
     }
-    with_gyr += (w.has & kGyr) != 0;
-    turned += w.rotation_valid && 2.0 * std::acos(std::min(1.0, std::abs(w.q_previous_this[0]))) > 0.5;
-  }
-  constexpr std::array<const char*, 6> kFaces{"x up", "x down", "y up", "y down", "z up", "z down"};
-  for (std::size_t k = 0; k < 6; ++k)
-    if (faces[k] == 0) out.push_back(fmt::format("no window with {}", kFaces[k]));
-  if (with_gyr == 0) out.emplace_back("no window in which the gyroscope was surely at rest");
-  if (turned < 3)
+  if (!run.gravity_stated)
     out.push_back(fmt::format(
-        "{} turns between windows; the gyro's matrix and the angles between the sensors need turns about three axes",
-        turned));
-  if (run.has_mag && run.learnt.mag.status == CalibrationStatus::kTooFewWindows)
-    out.push_back(fmt::format("{} turns of the magnetic field; thirty are the least", run.learnt.mag.windows));
-  if (run.has_mag && run.learnt.mag.status == CalibrationStatus::kNotObservable)
-    out.emplace_back("turns of the magnetic field about more axes, away from iron");
+        "where it was made: gravity is taken for {} m/s^2 and is up to 0.026 off elsewhere (--gravity, --latitude); "
+        "all scales are off by as much",
+        run.gravity_mps2));
   return out;
 }
 
@@ -119,6 +108,16 @@ Json to_json(const std::string& path, const CalibrationRun& run) {
   j["accelerometer"] = to_json(run.learnt.acc);
   j["gyroscope"] = to_json(run.learnt.gyr);
   if (run.has_mag) j["magnetometer"] = to_json(run.learnt.mag);
+  j["gravity_mps2"] = {{"used", run.gravity_mps2}, {"stated", run.gravity_stated}};
+  j["quantities"] = Json::array();
+  for (const Quantity& q : quantities(run))
+    j["quantities"].push_back({{"name", q.name},
+                               {"unit", q.unit},
+                               {"known", q.known},
+                               {"sd", q.sd > 0.0 ? Json(q.sd) : Json()},
+                               {q.evidence, q.used},
+                               {"refused", q.refused},
+                               {"missing", q.missing}});
   j["missing"] = missing(run);
   return j;
 }
@@ -139,6 +138,10 @@ void print(const std::string& path, const CalibrationRun& run) {
   }
   print("gyroscope", "windows", "deg/s", kDegPerRad, run.learnt.gyr);
   if (run.has_mag) print("magnetometer", "turns of the field", "uT", 1.0, run.learnt.mag);
+  fmt::print("\n");
+  for (const Quantity& q : quantities(run))
+    fmt::print("{:<30} {:<9} {} of {} {} refused{}\n", q.name, q.known ? "known" : "not yet", q.refused,
+               q.used + q.refused, q.evidence, q.sd > 0.0 ? fmt::format(", sd {:.3g} {}", q.sd, q.unit) : "");
   fmt::print("\nstill missing:\n");
   const auto lacks = missing(run);
   for (const auto& line : lacks) fmt::print("  {}\n", line);

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "calib_online/online_calibrator.h"
 #include "calib_online/window.h"
 #include "core/calibration.h"
 #include "core/units.h"
@@ -25,9 +26,11 @@ struct CalibrationRun {
   std::vector<calib::Window> windows;
   std::map<std::string, double> refused_s;  ///< seconds by reason
   CalibrationSnapshot factory, learnt;
+  calib::OnlineCalibrator::State state;
   std::vector<CalibrationFault> faults;       ///< where each begins
   std::array<CalibrationStatus, 3> status{};  ///< of acc, gyr, mag now
   double gravity_mps2 = kStandardGravity_mps2;
+  bool gravity_stated = false;
   double duration_s = 0.0;
   double middle_norm_mps2 = 0.0;  ///< median of the readings
   bool has_mag = false;

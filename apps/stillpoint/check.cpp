@@ -1,5 +1,6 @@
 /// `stillpoint check FILE`: says what is wrong with a recording, a configuration or a simulation.
 #include "apps/stillpoint/commands.h"
+#include "apps/stillpoint/plausible.h"
 #include "io/config.h"
 #include "io/recording.h"
 #include "io/simulation_yaml.h"
@@ -12,8 +13,14 @@ int check_recording(const std::string& path) {
   if (!recording) return report(recording.error());
   std::printf("%s: %zu rows, %.1f s\n", path.c_str(), recording->size(),
               recording->t_s(recording->size() - 1) - recording->t_s(0));
+  for (const auto& sensor : io::sensor_times(*recording)) {
+    std::string line = fmt::format("{}: {}: {} readings", path, sensor.name, sensor.readings);
+    if (sensor.median_step_s > 0.0) line += fmt::format(", {:.4g} Hz", 1.0 / sensor.median_step_s);
+    if (sensor.gaps > 0) line += fmt::format(", {} gaps, the longest {:.3f} s", sensor.gaps, sensor.longest_gap_s);
+    std::printf("%s\n", line.c_str());
+  }
   for (const auto& line : io::describe(recording->issues)) std::printf("%s: %s\n", path.c_str(), line.c_str());
-  return 0;
+  return warn_if_implausible(*recording, path).empty() ? 0 : static_cast<int>(ErrorKind::kBadData);
 }
 
 /// A daemon's configuration and a simulation share no top-level key: the one that knows more of the keys is meant.

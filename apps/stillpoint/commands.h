@@ -10,14 +10,16 @@
 #include <string>
 
 #include "core/result.h"
+#include "io/quote.h"
 
 namespace stillpoint::app {
 
 /// Exit code of the chosen command; empty until one is chosen.
 using Run = std::function<int()>;
 
-/// A line on standard error. Where that is closed or full the line is lost; fmt::print would end the program.
-inline void tell(const std::string& line) { std::fputs((line + '\n').c_str(), stderr); }
+/// A line on standard error. Where that is closed or full the line is lost; fmt::print would end the program. Messages
+/// name what stands in files, and no file may steer the terminal.
+inline void tell(const std::string& line) { std::fputs((io::without_controls(line) + '\n').c_str(), stderr); }
 
 /// Prints the error to standard error and gives its exit code.
 inline int report(const Error& error) {
@@ -72,13 +74,18 @@ class JsonOption {
 void add_calibrate(CLI::App& app, Run& run);
 void add_check(CLI::App& app, Run& run);
 void add_demo(CLI::App& app, Run& run);
+void add_devices(CLI::App& app, Run& run);
 void add_diagnose(CLI::App& app, Run& run);
 void add_estimate(CLI::App& app, Run& run);
+void add_import(CLI::App& app, Run& run);
+void add_merge(CLI::App& app, Run& run);
 void add_noise(CLI::App& app, Run& run);
+void add_page(CLI::App& app, Run& run);
 void add_prove(CLI::App& app, Run& run);
 void add_record(CLI::App& app, Run& run);
 void add_effects(CLI::App& app, Run& run);
 void add_simulate(CLI::App& app, Run& run);
+void add_status(CLI::App& app, Run& run);
 void add_watch(CLI::App& app, Run& run);
 
 }  // namespace stillpoint::app

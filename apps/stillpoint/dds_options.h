@@ -8,6 +8,7 @@
 #include <string>
 
 #include "io/dds_params.h"
+#include "io/dds_servers.h"
 
 namespace stillpoint::app {
 
@@ -26,10 +27,24 @@ inline void add_dds_options(CLI::App& command, io::DdsParams& params) {
         return faults.empty() ? std::string() : faults.front();
       })
       ->capture_default_str();
+  command.add_option("--namespace", params.name_space, "of the daemon, where several share a domain");
+  command.add_option("--discovery-server", params.discovery_server, "ADDRESS:PORT of each discovery server, in order")
+      ->check([](const std::string& text) {
+        const auto server = io::parse_server(text);
+        return text.empty() || server ? std::string() : server.error().message;
+      });
+  command
+      .add_option("--security", params.security.folder,
+                  "folder with one's own six files of DDS-Security, where the daemon has some (scripts/dds_keys.sh)")
+      ->check([](const std::string& folder) {
+        const auto faults = io::check(io::SecurityParams{.folder = folder});
+        return faults.empty() ? std::string() : faults.front();
+      });
 }
 
 /// Why nothing arrives, as far as it can be known from here.
-inline std::string nothing_arrives(const io::DdsParams& params, const std::string& topic, bool matched) {
+inline std::string nothing_arrives(const io::DdsParams& params, const std::string& name, bool matched) {
+  const std::string topic = params.name_space.empty() ? name : params.name_space + "/" + name;
   if (matched)
     return fmt::format(
         "a daemon publishes '{}' in domain {}, but no message arrives; is its source silent? Over shm and "
@@ -37,8 +52,10 @@ inline std::string nothing_arrives(const io::DdsParams& params, const std::strin
         topic, params.domain);
   return fmt::format(
       "no daemon publishes '{}' in domain {} over {} ({}); is stillpointd running, with the same domain and "
-      "interface?",
-      topic, params.domain, params.transport, params.interface);
+      "interface{}?",
+      topic, params.domain, params.transport, params.interface,
+      io::is_secured(params.security) ? ", and do both sides' permissions allow the topic"
+                                      : "; if it has 'security:', give --security FOLDER");
 }
 
 namespace detail {

@@ -1,13 +1,20 @@
 /// `stillpoint diagnose`: locates, names and models the physics that a simulation left out of a recording.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cstdio>
 
 #include "apps/stillpoint/commands.h"
+#include "apps/stillpoint/laws_as_code.h"
+#include "apps/stillpoint/plausible.h"
 #include "apps/stillpoint/progress.h"
+#include "apps/stillpoint/simulated_log.h"
 #include "diagnosis/diagnose.h"
+#include "diagnosis/foreign/foreign.h"
+#include "diagnosis/improved.h"
 #include "diagnosis/report/report.h"
 #include "diagnosis/summary.h"
+#include "diagnosis/validation.h"
 #include "io/config.h"
 #include "io/recording.h"
 #include "io/simulation_yaml.h"
@@ -18,7 +25,7 @@ namespace stillpoint::app {
 namespace {
 
 struct Options {
-  std::string simulation, recording, report, improved, validate;
+  std::string simulation, simulated, map, recording, report, improved, validate, code;
   JsonOption json;
   std::vector<std::string> without;
   std::size_t twins = 0;
@@ -46,47 +53,77 @@ diag::Answer with_progress(const std::string& what, const io::Recording& recordi
   return diag::diagnose(recording, simulation, without, twins, [&progress](double share) { progress.at(share); });
 }
 
-/// How the baseline and the improved simulation stand to a recording that the diagnosis has not seen.
-std::string validation(const std::string& name, const io::Recording& other, const sim::SimulationConfig& baseline,
-                       const sim::SimulationConfig& improved) {
-  const diag::Answer before = with_progress("validating, before", other, baseline, {}, 0),
-                     after = with_progress("validating, after", other, improved, {}, 0);
-  return fmt::format("\nVALIDATE {}: before: {}  after: {}\n", name, before.diagnosis.summary, after.diagnosis.summary);
+/// Puts the shares that the findings remove on another recording into the answer. What makes a sensor worse there is
+/// told, and does not go into the improved simulation.
+void validate_on(const std::string& file, const io::Recording& other, const sim::SimulationConfig& simulation,
+                 diag::Answer& answer) {
+  answer.diagnosis.validation = diag::validate(file, other, simulation, diag::improved_by(answer, simulation));
+  for (const diag::Validation& v : answer.diagnosis.validation) {
+    if (!(v.ci95[1] < 0.0)) continue;
+    std::erase_if(answer.effects, [&](const sim::EffectConfig& e) { return diag::acts_on(e.id, v.sensor); });
+    answer.diagnosis.notices.push_back(fmt::format(
+        "{}: what was found makes it worse on {}; it is not written into the improved simulation", v.sensor, file));
+  }
 }
 
-int run_diagnose(const Options& o) {
-  const std::string json = o.json.file();
-  const auto quiet = is_standard_output({json, o.report, o.improved});
-  if (!quiet) return report(quiet.error());
-  for (const auto& path : {json, o.report, o.improved})
-    if (const auto writable = io::expect_writable(path); !writable) return report(writable.error());
-  const auto simulation = io::read_simulation(o.simulation);
-  if (!simulation) return report(simulation.error());
-  const auto recording = io::read_recording(o.recording, io::OnMalformedRow::kCount);
-  if (!recording) return report(recording.error());
-  const auto other = o.validate.empty() ? io::Recording{} : io::read_recording(o.validate, io::OnMalformedRow::kCount);
-  if (!other) return report(other.error());
-
-  diag::Answer answer = with_progress("diagnosing", *recording, *simulation, o.without, o.twins);
-  for (const auto& line : io::describe(recording->issues)) answer.diagnosis.notices.push_back(line);
-  sim::SimulationConfig improved = *simulation;
-  improved.effects.insert(improved.effects.end(), answer.effects.begin(), answer.effects.end());
-  const std::string blocks = blocks_to_paste(answer.effects);
-  if (!*quiet) std::fputs(diag::to_text(answer.diagnosis).c_str(), stdout);
-  if (!*quiet && !blocks.empty()) std::printf("\nNEXT     put the physics where it is missing:\n%s", blocks.c_str());
-
-  const diag::ReportContext context{o.recording, o.simulation, o.validate, blocks};
+/// Writes the answer wherever it is asked for. `improve` writes the improved simulation or log.
+int tell(const Options& o, bool quiet, const diag::Answer& answer, const std::function<Result<void>()>& improve) {
+  const std::string blocks = blocks_to_paste(answer.effects), json = o.json.file();
+  if (!quiet) std::fputs(diag::to_text(answer.diagnosis).c_str(), stdout);
+  if (!quiet && !blocks.empty()) std::printf("\nNEXT     put the physics where it is missing:\n%s", blocks.c_str());
+  const std::vector<diag::CodeBlock> code = laws_as_code(answer.effects);
+  const diag::ReportContext context{o.recording, o.simulation + o.simulated, o.validate, blocks, code};
   if (!o.improved.empty())
-    if (const auto done = io::write_simulation(improved, o.improved); !done) return report(done.error());
+    if (const auto done = improve(); !done) return report(done.error());
   if (!o.report.empty())
     if (const auto done = io::write_text_file(o.report, diag::report_html(answer.diagnosis, context)); !done)
       return report(done.error());
   if (!json.empty())
     if (const auto done = io::write_text_file(json, diag::to_json(answer.diagnosis)); !done)
       return report(done.error());
-  if (!o.validate.empty())
-    std::fputs(validation(o.validate, *other, *simulation, improved).c_str(), *quiet ? stderr : stdout);
-  return o.fail_on_mismatch && !answer.diagnosis.findings.empty() ? static_cast<int>(ErrorKind::kThreshold) : 0;
+  if (!o.code.empty())
+    if (const auto done = write_code(code, o.code); !done) return report(done.error());
+  const bool mismatch = !answer.diagnosis.findings.empty() || !answer.diagnosis.surplus.empty() ||
+                        answer.diagnosis.verdict == diag::Verdict::kWrongNumbers;
+  return o.fail_on_mismatch && mismatch ? static_cast<int>(ErrorKind::kThreshold) : 0;
+}
+
+int diagnose_simulated_log(const Options& o, bool quiet, const io::Recording& recording) {
+  const auto log = read_simulated_log(o.simulated, o.map);
+  if (!log) return report(log.error());
+  Progress progress("diagnosing");
+  auto found = diag::diagnose_log(*log, recording, o.without, [&progress](double share) { progress.at(share); });
+  if (!found) return report({found.error().kind, o.simulated + ": " + found.error().message});
+  for (const auto& line : io::describe(recording.issues)) found->answer.diagnosis.notices.push_back(line);
+  return tell(o, quiet, found->answer, [&] { return io::write_recording(found->improved, o.improved); });
+}
+
+int diagnose_simulation(const Options& o, bool quiet, const io::Recording& recording) {
+  const auto simulation = io::read_simulation(o.simulation);
+  if (!simulation) return report(simulation.error());
+  const auto other = o.validate.empty() ? io::Recording{} : io::read_recording(o.validate, io::OnMalformedRow::kCount);
+  if (!other) return report(other.error());
+  diag::Answer answer = with_progress("diagnosing", recording, *simulation, o.without, o.twins);
+  for (const auto& line : io::describe(recording.issues)) answer.diagnosis.notices.push_back(line);
+  if (!o.validate.empty()) validate_on(o.validate, *other, *simulation, answer);
+  const sim::SimulationConfig improved = diag::improved_by(answer, *simulation);
+  return tell(o, quiet, answer, [&] { return io::write_simulation(improved, o.improved); });
+}
+
+int run_diagnose(const Options& o) {
+  if (o.simulation.empty() && o.simulated.empty())
+    return report({ErrorKind::kUsage,
+                   "diagnose: --simulation is required: the baseline (YAML); or --simulated LOG.csv of any simulator"});
+  const std::string json = o.json.file();
+  const auto quiet = is_standard_output({json, o.report, o.improved});
+  if (!quiet) return report(quiet.error());
+  for (const auto& path : {json, o.report, o.improved})
+    if (const auto writable = io::expect_writable(path); !writable) return report(writable.error());
+  const auto recording = io::read_recording(o.recording, io::OnMalformedRow::kCount);
+  if (!recording) return report(recording.error());
+  warn_if_implausible(*recording, o.recording);
+  return o.simulated.empty() ? diagnose_simulation(o, *quiet, *recording)
+                             : diagnose_simulated_log(o, *quiet, *recording);
 }
 
 }  // namespace
@@ -94,12 +131,19 @@ int run_diagnose(const Options& o) {
 void add_diagnose(CLI::App& app, Run& run) {
   auto* command = app.add_subcommand("diagnose", "Name the physics that a simulation left out of a recording");
   static Options o;
-  add_file(*command, "--simulation", o.simulation, "the baseline (YAML)")->required();
+  auto* simulation = add_file(*command, "--simulation", o.simulation, "the baseline (YAML)");
+  auto* log = add_file(*command, "--simulated", o.simulated, "or: what any simulator says of the same motion (CSV)");
+  log->excludes(simulation);
+  add_file(*command, "--map", o.map, "which columns of the simulated log are what (YAML; docs/import.md)")->needs(log);
   add_file(*command, "--recording", o.recording, "the recording to explain (CSV)")->required();
   o.json.add(*command, "write the answer");
   add_file(*command, "--report", o.report, "write the report (HTML, one file)");
-  add_file(*command, "--improved", o.improved, "write the simulation with the found physics in it (YAML)");
-  add_file(*command, "--validate", o.validate, "judge the improved simulation on another recording (CSV)");
+  add_file(*command, "--improved", o.improved,
+           "write the simulation (YAML) or the simulated log (CSV) with the found physics in it");
+  command->add_option("--code", o.code, "write the laws that were found as Python, C++ and MATLAB into this folder")
+      ->type_name("DIR");
+  add_file(*command, "--validate", o.validate, "judge the improved simulation on another recording (CSV)")
+      ->excludes(log);
   command
       ->add_option("--twins", o.twins,
                    "repeat the search on so many resimulations without what was found; state only what none of them "

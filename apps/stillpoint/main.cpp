@@ -4,6 +4,8 @@
 #include <filesystem>
 
 #include "apps/stillpoint/commands.h"
+#include "apps/stillpoint/convert.h"
+#include "io/quote.h"
 #include "io/yaml.h"
 
 namespace {
@@ -15,6 +17,22 @@ bool is_command(const CLI::App& cli, const std::string& word) {
   if (std::find(names.begin(), names.end(), word) != names.end()) return true;
   stillpoint::app::tell(fmt::format("stillpoint: no command '{}'{}", word, stillpoint::io::suggestion(word, names)));
   return false;
+}
+
+/// Whether the command knows all the options that are given it; the first it does not is said with the nearest it does.
+bool are_options(const CLI::App& command, int argc, char** argv) {
+  std::vector<std::string> known;
+  for (const CLI::Option* option : command.get_options())
+    for (const std::string& name : option->get_lnames()) known.push_back("--" + name);
+  for (int i = 2; i < argc; ++i) {
+    const std::string word = std::string(argv[i]).substr(0, std::string(argv[i]).find('='));
+    if (word.size() < 3 || word.rfind("--", 0) != 0) continue;
+    if (std::find(known.begin(), known.end(), word) != known.end()) continue;
+    stillpoint::app::tell(fmt::format("stillpoint {}: no option {}{}", command.get_name(), stillpoint::io::quote(word),
+                                      stillpoint::io::suggestion(word, known)));
+    return false;
+  }
+  return true;
 }
 
 /// Fails (64) when two options name one file: what is to be read, or was just written, would be overwritten.
@@ -63,20 +81,28 @@ int main(int argc, char** argv) {
   app::Run run;
   app::add_calibrate(cli, run);
   app::add_check(cli, run);
+  app::add_convert(cli, run);
   app::add_demo(cli, run);
+  app::add_devices(cli, run);
   app::add_diagnose(cli, run);
   app::add_effects(cli, run);
   app::add_estimate(cli, run);
+  app::add_import(cli, run);
+  app::add_merge(cli, run);
   app::add_noise(cli, run);
+  app::add_page(cli, run);
   app::add_prove(cli, run);
   app::add_record(cli, run);
   app::add_simulate(cli, run);
+  app::add_status(cli, run);
   app::add_watch(cli, run);
   if (argc < 2) {
     app::tell(cli.help());
     return static_cast<int>(ErrorKind::kUsage);
   }
   if (argv[1][0] != '-' && !is_command(cli, argv[1])) return static_cast<int>(ErrorKind::kUsage);
+  if (argv[1][0] != '-' && !are_options(*cli.get_subcommand(argv[1]), argc, argv))
+    return static_cast<int>(ErrorKind::kUsage);
   const int code = parse_and_run(cli, run, argc, argv);
   if (std::fflush(stdout) == 0 && std::ferror(stdout) == 0) return code;
   const int lost = app::report({ErrorKind::kCannotCreate, "standard output: cannot be written; is the disk full?"});

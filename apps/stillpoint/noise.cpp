@@ -9,6 +9,7 @@
 #include "apps/stillpoint/commands.h"
 #include "apps/stillpoint/json_text.h"
 #include "apps/stillpoint/noise_report.h"
+#include "apps/stillpoint/plausible.h"
 #include "io/recording.h"
 #include "io/text_file.h"
 
@@ -103,6 +104,7 @@ int noise(const Options& options) {
   if (!quiet) return report(quiet.error());
   const auto recording = io::read_recording(options.recording);
   if (!recording) return report(recording.error());
+  warn_if_implausible(*recording, options.recording);
   const double dt_s = recording->median_step_s();
   const auto [first, last] = dt_s > 0.0 ? longest_rest(*recording, dt_s) : std::pair<std::size_t, std::size_t>{};
   if (last - first < 100)

@@ -10,6 +10,7 @@
 #include "apps/stillpoint/child_process.h"
 #include "apps/stillpoint/commands.h"
 #include "apps/stillpoint/progress.h"
+#include "apps/stillpoint/prove_invented.h"
 #include "diagnosis/prove/prove.h"
 #include "diagnosis/prove/sha256.h"
 #include "diagnosis/report/svg.h"
@@ -24,7 +25,7 @@ namespace fs = std::filesystem;
 struct Options {
   std::size_t cases = 60;
   std::string salt = "stillpoint", folder, report, only;
-  bool quick = false, limits = false;
+  bool quick = false, limits = false, real_parts = false;
 };
 
 /// One case as it lies before the solver: files and hash. The truth stays in this process until all answers are in.
@@ -81,10 +82,11 @@ void solve_all(const std::vector<Posed>& posed) {
 
 Result<std::vector<Posed>> draw(const Options& o, const fs::path& room) {
   std::vector<Posed> all;
+  const auto parts = o.real_parts ? diag::Parts::kReal : diag::Parts::kIdeal;
   for (std::size_t i = 0; i < o.cases; ++i) {
-    diag::SealedCase c = o.limits         ? diag::draw_limit_case(o.salt, i, o.quick)
-                         : o.only.empty() ? diag::draw_case(o.salt, i, o.quick)
-                                          : diag::draw_case_of(o.only, o.salt, i, o.quick);
+    diag::SealedCase c = o.limits         ? diag::draw_limit_case(o.salt, i, o.quick, parts)
+                         : o.only.empty() ? diag::draw_case(o.salt, i, o.quick, parts)
+                                          : diag::draw_case_of(o.only, o.salt, i, o.quick, parts);
     Posed p{.id = c.id,
             .hash = diag::seal(c.id, c.truth, c.nonce),
             .truth = std::move(c.truth),
@@ -161,6 +163,7 @@ int prove(const Options& o) {
     return report({ErrorKind::kCannotCreate, room_name + ": cannot be created"});
   const Room room(room_name);
   std::printf("seals (SHA-256 of case, truth, nonce), printed before solving; salt \"%s\"\n", o.salt.c_str());
+  if (o.only == kInvented) return prove_invented(o.salt, o.cases, o.quick, room.path);
   const auto posed = o.folder.empty() ? draw(o, room.path) : collect(o, room.path);
   if (!posed) return report(posed.error());
   std::fflush(stdout);
@@ -188,13 +191,17 @@ void add_prove(CLI::App& app, Run& run) {
   static Options o;
   command->add_option("--cases", o.cases, "how many cases to draw; 60 unless given")->check(CLI::Range(1, 100000));
   command->add_option("--salt", o.salt, "the same salt draws the same cases");
-  command->add_option("--only", o.only, "draw cases of this kind alone")->check(CLI::IsMember(diag::kinds_of_cases()));
+  std::vector<std::string> kinds = diag::kinds_of_cases();
+  kinds.emplace_back(kInvented);
+  command->add_option("--only", o.only, "draw cases of this kind alone")->check(CLI::IsMember(kinds));
   command->add_option("--folder", o.folder,
                       "take cases made elsewhere: FOLDER/cases/NNN.csv, NNN.yaml and FOLDER/truth/NNN.json");
   add_file(*command, "--report", o.report, "write the tables, seals and truths as a page (.html)");
   command->add_flag(
       "--limits", o.limits,
       "draw weak effects and measure from which size on they are found, against the test that knows the law");
+  command->add_flag("--real-parts", o.real_parts,
+                    "noise with flicker of which the simulation says nothing; 50, 100 and 200 Hz");
   command->add_flag("--quick", o.quick, "recordings of one minute instead of two");
   command->callback([&run] { run = [] { return prove(o); }; });
 }

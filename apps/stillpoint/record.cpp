@@ -1,5 +1,6 @@
 /// `stillpoint record`: writes what the sensor of a running daemon gives into a recording.
 #include <chrono>
+#include <map>
 #include <mutex>
 #include <optional>
 #include <thread>
@@ -7,6 +8,7 @@
 
 #include "apps/stillpoint/commands.h"
 #include "apps/stillpoint/dds_options.h"
+#include "exchange/mcap_writer.h"
 #include "io/dds_subscriber.h"
 #include "io/recording_stream.h"
 
@@ -38,13 +40,40 @@ class Inbox {
   std::vector<RawSample> samples_;
 };
 
+/// The recording in the form that its name asks for: .mcap, else CSV.
+class Target {
+ public:
+  static Result<Target> create(const std::string& path, const std::map<std::string, std::string>& header) {
+    Target target;
+    if (path.ends_with(".mcap")) {
+      auto made = exchange::McapWriter::create(path);
+      if (!made) return tl::unexpected(made.error());
+      target.mcap_.emplace(std::move(*made));
+    } else {
+      auto made = io::RecordingStream::create(path, header);
+      if (!made) return tl::unexpected(made.error());
+      target.csv_.emplace(std::move(*made));
+    }
+    return target;
+  }
+  Result<void> append(const RawSample& sample) { return mcap_ ? mcap_->append(sample) : csv_->append(sample); }
+  /// An MCAP file is on its way to disk by chunks; a CSV row by row.
+  Result<void> flush() { return mcap_ ? Result<void>{} : csv_->flush(); }
+  Result<void> finish() { return mcap_ ? mcap_->finish() : csv_->flush(); }
+  [[nodiscard]] std::uint64_t rows() const { return mcap_ ? mcap_->rows() : csv_->rows(); }
+
+ private:
+  std::optional<io::RecordingStream> csv_;
+  std::optional<exchange::McapWriter> mcap_;
+};
+
 struct Written {
   std::uint64_t lost = 0;
   std::int64_t first_ns = 0;
   RawSample last;
 };
 
-Result<void> append_all(const std::vector<RawSample>& batch, io::RecordingStream& stream, Written& written) {
+Result<void> append_all(const std::vector<RawSample>& batch, Target& stream, Written& written) {
   for (const RawSample& sample : batch) {
     if (stream.rows() == 0)
       written.first_ns = sample.t_ns;
@@ -56,7 +85,7 @@ Result<void> append_all(const std::vector<RawSample>& batch, io::RecordingStream
   return stream.flush();
 }
 
-void say_what_was_written(const RecordOptions& options, const io::RecordingStream& stream, const Written& written) {
+void say_what_was_written(const RecordOptions& options, const Target& stream, const Written& written) {
   tell(fmt::format("{}: {} rows, {:.1f} s, {} lost on the way", options.output, stream.rows(),
                    1e-9 * static_cast<double>(written.last.t_ns - written.first_ns), written.lost));
 }
@@ -74,7 +103,7 @@ int record(const RecordOptions& options) {
   };
   const auto start = Clock::now();
   auto first_row = start;
-  std::optional<io::RecordingStream> stream;  // made with the first reading: until then what lies there stays
+  std::optional<Target> stream;  // made with the first reading: until then what lies there stays
   Written written;
   std::vector<RawSample> batch;
   bool more = true;
@@ -85,8 +114,8 @@ int record(const RecordOptions& options) {
     inbox.take_all(batch);
     if (batch.empty()) continue;
     if (!stream) {
-      auto made = io::RecordingStream::create(
-          options.output, {{"source", "stillpointd, topic " + options.dds.raw_topic}, {"world_frame", "ENU"}});
+      auto made = Target::create(options.output,
+                                 {{"source", "stillpointd, topic " + options.dds.raw_topic}, {"world_frame", "ENU"}});
       if (!made) return report(made.error());
       stream.emplace(std::move(*made));
       first_row = Clock::now();
@@ -97,6 +126,7 @@ int record(const RecordOptions& options) {
   if (!stream)
     return report({ErrorKind::kUnavailable,
                    nothing_arrives(options.dds, options.dds.raw_topic, (*subscriber)->publishers() > 0)});
+  if (auto done = stream->finish(); !done) return report(done.error());
   say_what_was_written(options, *stream, written);
   return 0;
 }
@@ -107,7 +137,9 @@ void add_record(CLI::App& app, Run& run) {
   auto* command = app.add_subcommand("record", "Write what a running daemon's sensor gives into a recording");
   static RecordOptions options;
   add_dds_options(*command, options.dds);
-  add_file(*command, "--output", options.output, "recording to write (.csv); - is standard output")->required();
+  add_file(*command, "--output", options.output,
+           "recording to write (.csv, or .mcap for ROS 2 tools); - is standard output")
+      ->required();
   command->add_option("--seconds", options.seconds, "end after this time; otherwise on Ctrl-C")
       ->check(between(0.01, 1e9));
   command->add_option("--timeout", options.timeout_s, "how long to wait for the first reading, s")

@@ -8,6 +8,7 @@
 #include "io/simulated_recording.h"
 #include "io/simulation_yaml.h"
 #include "io/text_file.h"
+#include "simulation/law_effect.h"
 #include "simulation/strength.h"
 
 namespace stillpoint::app {
@@ -31,12 +32,21 @@ Result<Scene> scene_of(const Options& o, const sim::SimulationConfig& config) {
     return fail(ErrorKind::kBadConfig, o.simulation +
                                            ":1:1: no 'motion:' block; add one such as motion: {kind: hand, "
                                            "duration_s: 130}, or give --motion REC.csv");
+  if (const auto columns = sim::user_columns_of(config.effects); o.motion.empty() && !columns.empty())
+    return fail(ErrorKind::kBadConfig,
+                fmt::format("{}:1:1: a law needs the column '{}'; give --motion REC.csv that has it", o.simulation,
+                            columns.front()));
   if (o.motion.empty()) return Scene{sim::make_motion(*config.motion, o.seed), {}};
   const auto recording = io::read_recording(o.motion);
   if (!recording) return tl::unexpected(recording.error());
   auto motion = sim::RecordedMotion::from(io::reference_track(*recording));
   if (!motion) return fail(motion.error().kind, o.motion + ": " + motion.error().message);
-  return Scene{std::move(*motion), io::recorded_environment(*recording)};
+  auto environment = io::recorded_environment(*recording);
+  for (const std::string& name : sim::user_columns_of(config.effects))
+    if (!environment.user.contains(name))
+      return fail(ErrorKind::kBadData,
+                  fmt::format("{}: a law needs its column '{}', which is not there", o.motion, name));
+  return Scene{std::move(*motion), std::move(environment)};
 }
 
 Json triad_json(const std::optional<sim::TriadConfig>& t) {
@@ -67,6 +77,12 @@ Result<Json> write_simulated(const Options& o, const sim::SimulationConfig& conf
   bool moved = false;
   double since_s = 0.0, t_s = 0.0;
   for (sim::SimulatedSample row; simulator.next(row);) {
+    if (simulator.outside_table())
+      return fail(
+          ErrorKind::kBadConfig,
+          fmt::format("{}:1:1: at {:.3f} s a table's driver is outside the range of its 'x'; widen the table, or "
+                      "write 'clamp: true' into it",
+                      o.simulation, 1e-9 * static_cast<double>(row.sample.t_ns)));
     if (auto done = file->add(row); !done) return tl::unexpected(done.error());
     t_s = 1e-9 * static_cast<double>(row.sample.t_ns);
     if (row.moving && !moved) since_s = t_s;

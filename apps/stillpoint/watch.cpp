@@ -78,10 +78,7 @@ int watch_live(const WatchOptions& options, const WatchModel& model, const io::D
 
 int watch(const WatchOptions& options) {
   WatchModel model;
-  const auto subscriber = io::DdsSubscriber::create(
-      options.dds, {.attitude = [&model](const AttitudeMessage& m, std::int64_t t_ns) { model.take(m, t_ns); },
-                    .calibration = [&model](const CalibrationMessage& m) { model.take(m); },
-                    .diagnostics = [&model](const DiagnosticsMessage& m) { model.take(m); }});
+  const auto subscriber = io::DdsSubscriber::create(options.dds, model.handlers());
   if (!subscriber) return report(subscriber.error());
   stop_on_signals();
   return options.once ? watch_once(options, model, **subscriber) : watch_live(options, model, **subscriber);

@@ -34,6 +34,12 @@ void WatchModel::take(const DiagnosticsMessage& message) {
   state_.diagnostics = message;
 }
 
+io::DdsHandlers WatchModel::handlers() {
+  return {.attitude = [this](const AttitudeMessage& m, std::int64_t t_ns) { take(m, t_ns); },
+          .calibration = [this](const CalibrationMessage& m) { take(m); },
+          .diagnostics = [this](const DiagnosticsMessage& m) { take(m); }};
+}
+
 WatchState WatchModel::state(std::int64_t now_ns) const {
   const std::lock_guard lock(mutex_);
   WatchState copy = state_;

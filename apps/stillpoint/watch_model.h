@@ -8,6 +8,7 @@
 #include <string>
 
 #include "core/attitude_message.h"
+#include "io/dds_subscriber.h"
 
 namespace stillpoint::app {
 
@@ -32,6 +33,8 @@ class WatchModel {
   void take(const AttitudeMessage& message, std::int64_t t_receive_ns);
   void take(const CalibrationMessage& message);
   void take(const DiagnosticsMessage& message);
+  /// Of a subscriber that fills this model, which lives longer.
+  [[nodiscard]] io::DdsHandlers handlers();
   [[nodiscard]] WatchState state(std::int64_t now_ns) const;
 
  private:

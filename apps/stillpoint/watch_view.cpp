@@ -4,47 +4,12 @@
 #include <array>
 #include <cmath>
 
+#include "apps/stillpoint/live_words.h"
 #include "apps/stillpoint/watch_model.h"
-#include "core/units.h"
 #include "io/quote.h"
 
 namespace stillpoint::app {
 namespace {
-
-constexpr std::array kSensorName{"acc", "gyr", "mag"};
-constexpr std::array kSensorUnit{"m/s^2", "deg/s", "uT"};
-
-/// From the wire any number may come.
-std::string_view word(CalibrationStatus status) {
-  return status <= CalibrationStatus::kReplaced ? name(status) : "unknown";
-}
-
-/// Roll, pitch, yaw (rad) in the order z, y, x of REP-103; yaw 0 is east, counter-clockwise positive.
-Vec3 roll_pitch_yaw(const std::array<double, 4>& xyzw) {
-  const auto [x, y, z, w] = xyzw;
-  return {std::atan2(2 * (w * x + y * z), 1 - 2 * (x * x + y * y)),
-          std::asin(std::clamp(2 * (w * y - z * x), -1.0, 1.0)),
-          std::atan2(2 * (w * z + x * y), 1 - 2 * (y * y + z * z))};
-}
-
-double percentile_us(const LatencyCounts& counts, double p) {
-  return 1e-3 * static_cast<double>(latency_percentile_ns(counts, p));
-}
-
-Array3 bias_sd(const TriadCalibration& c) {
-  return {std::sqrt(c.bias_covariance[0]), std::sqrt(c.bias_covariance[4]), std::sqrt(c.bias_covariance[8])};
-}
-
-std::array<const TriadCalibration*, 3> triads(const CalibrationSnapshot& s) { return {&s.acc, &s.gyr, &s.mag}; }
-
-/// JSON knows no NaN.
-nlohmann::json number(double x) { return std::isfinite(x) ? nlohmann::json(x) : nlohmann::json(nullptr); }
-template <std::size_t N>
-nlohmann::json numbers(const std::array<double, N>& values) {
-  auto list = nlohmann::json::array();
-  for (const double x : values) list.push_back(number(x));
-  return list;
-}
 
 std::string calibration_lines(const CalibrationMessage& message) {
   std::string out = fmt::format("calibration {}  sensor {}\n", message.snapshot.version,

@@ -12,23 +12,9 @@
 
 #include "io/dds_domain.h"
 #include "tests/dds/process.h"
+#include "tests/scratch_folder.h"
 
 namespace stillpoint::test {
-
-class ScratchFolder {
- public:
-  ScratchFolder() {
-    std::string pattern = (std::filesystem::temp_directory_path() / "stillpoint-test-XXXXXX").string();
-    path_ = mkdtemp(pattern.data());
-  }
-  ~ScratchFolder() { std::filesystem::remove_all(path_); }
-  ScratchFolder(const ScratchFolder&) = delete;
-  ScratchFolder& operator=(const ScratchFolder&) = delete;
-  [[nodiscard]] std::string operator/(const std::string& name) const { return (path_ / name).string(); }
-
- private:
-  std::filesystem::path path_;
-};
 
 inline void write_file(const std::string& path, const std::string& text) { std::ofstream(path) << text; }
 inline std::string read_file(const std::string& path) {

@@ -93,6 +93,26 @@ TEST_F(CalibrateState, WhatCannotBeKeptIsShownAllTheSame) {
   EXPECT_THAT(a.json, HasSubstr("\"accelerometer\""));
 }
 
+TEST_F(CalibrateState, GivesASensorThatTheDaemonTakes) {
+  write_file(folder_ / "recording.csv", recording(""));
+  const std::string yaml = folder_ / "sensor.yaml", given = std::string(STILLPOINT) + " calibrate --recording " +
+                                                            (folder_ / "recording.csv") + " --output " + yaml;
+  ASSERT_EQ(run(given + " --sensor-id bench-7 --gravity 9.81 --json " + (folder_ / "out.json"), folder_ / "err"), 0);
+  EXPECT_THAT(read_file(folder_ / "out.json"), HasSubstr("\"stated\": true"));
+  EXPECT_THAT(read_file(yaml), HasSubstr("id: 'bench-7'"));
+  write_file(yaml, read_file(yaml) + "source: {kind: stream, from: stdin}\n");
+  EXPECT_EQ(run(std::string(STILLPOINTD) + " --check-config --config " + yaml, folder_ / "err"), 0)
+      << read_file(folder_ / "err");
+  EXPECT_EQ(run(given + " --gravity 3.7", folder_ / "err"), 64);
+}
+
+TEST_F(CalibrateState, SaysOfEachQuantityWhatIsMissing) {
+  const std::string json = calibrate(recording(""), "").json;
+  for (const char* said : {"accelerometer: lay it down with x up", "gyroscope: a second attitude",
+                           "gyroscope: scale of x is known to", "gravity is taken for 9.80665"})
+    EXPECT_THAT(json, HasSubstr(said));
+}
+
 TEST_F(CalibrateState, AFaultAndAWrongUnitAreNamed) {
   const Answer stuck = calibrate(recording("", 20.0), "");
   EXPECT_THAT(stuck.json, HasSubstr("\"sensor\": \"accelerometer\",\n      \"status\": \"stuck\""));

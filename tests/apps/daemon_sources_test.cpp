@@ -1,0 +1,81 @@
+#include <cmath>
+
+#include "tests/apps/apps_testing.h"
+
+namespace stillpoint {
+namespace {
+
+class DaemonSources : public testing::Test {
+ protected:
+  /// What the daemon said of this input on standard input; `code` is where it ended.
+  std::string daemon(const std::string& source, const std::string& input, int& code) {
+    test::write_file(folder_ / "config.yaml",
+                     "source: {" + source + "}\ndds: {domain: " + std::to_string(io::own_domain()) + "}\n");
+    test::write_file(folder_ / "input", input);
+    code = test::run("timeout 60 " STILLPOINTD " --config " + (folder_ / "config.yaml") + " < " + (folder_ / "input"),
+                     folder_ / "said");
+    return test::read_file(folder_ / "said");
+  }
+  std::string check(const std::string& config, int& code) {
+    test::write_file(folder_ / "check.yaml", config);
+    code = test::run(STILLPOINTD " --check-config --config " + (folder_ / "check.yaml"), folder_ / "said");
+    return test::read_file(folder_ / "said");
+  }
+  test::ScratchFolder folder_;
+};
+
+std::string lines(const std::string& header, double gyr_unit, double acc_unit) {
+  std::ostringstream text;
+  text << header;
+  for (int k = 0; k < 2000; ++k) {
+    const double swing = std::sin(0.01 * k), rate = 0.9 * std::cos(0.01 * k);
+    text << 10 * k << ",0," << acc_unit * std::sin(0.9 * swing) << ',' << acc_unit * std::cos(0.9 * swing) << ','
+         << gyr_unit * rate << ',' << gyr_unit * 0.01 * (k % 3) << ",0\n";
+  }
+  return text.str();
+}
+
+constexpr const char* kInG = "time_ms,acc_x_g,acc_y_g,acc_z_g,gyr_x_dps,gyr_y_dps,gyr_z_dps\n";
+constexpr const char* kInSi = "time_ms,acc_x_mps2,acc_y_mps2,acc_z_mps2,gyr_x_radps,gyr_y_radps,gyr_z_radps\n";
+
+TEST_F(DaemonSources, LinesOnStandardInputAreOneSampleEach) {
+  int code = -1;
+  const std::string said = daemon("kind: stream, from: stdin", lines(kInG, 57.29578, 1.0), code);
+  EXPECT_EQ(code, 0) << said;
+  EXPECT_NE(said.find("samples=2000 published=2000 refused=0 gaps=0"), std::string::npos) << said;
+  EXPECT_EQ(said.find("IMPLAUSIBLE"), std::string::npos) << said;
+}
+
+TEST_F(DaemonSources, AMistakenUnitIsNamed) {
+  int code = -1;
+  EXPECT_NE(daemon("kind: stream, from: stdin", lines(kInSi, 57.29578, 9.8), code).find("likely deg/s given as rad/s"),
+            std::string::npos);
+  EXPECT_NE(daemon("kind: stream, from: stdin", lines(kInSi, 1.0, 1.0), code).find("likely g given as m/s^2"),
+            std::string::npos);
+}
+
+TEST_F(DaemonSources, NumbersWithoutNamesAreAskedFor) {
+  int code = -1;
+  const std::string said = daemon("kind: stream, from: stdin", lines("", 1.0, 9.8), code);
+  EXPECT_NE(said.find("name what the columns hold with 'source: columns'"), std::string::npos) << said;
+}
+
+TEST_F(DaemonSources, TheConfigurationIsCheckedAgainstWhatIsThere) {
+  int code = 0;
+  const auto expect_refusal = [&](const std::string& config, const char* why) {
+    EXPECT_NE(check(config, code).find(why), std::string::npos) << test::read_file(folder_ / "said");
+    EXPECT_EQ(code, 78) << config;
+  };
+  expect_refusal("sensor: {id: a}\n", "no 'source:'");
+  expect_refusal("source: {kind: recording, file: gone.csv}\n", "check.yaml:1:33: ");
+  expect_refusal("source: {kind: recording, file: /tmp}\n", "/tmp: is a folder");
+  expect_refusal("source: {kind: stream, from: /tmp}\n", "/tmp: is a folder");
+  expect_refusal("source: {kind: stream, from: 'udp://:0'}\n", "names no port");
+  test::write_file(folder_ / "still.yaml", "rate_hz: 100\naccelerometer: {noise_mps2: 0.02}\n");
+  expect_refusal("source: {kind: simulation, file: still.yaml}\n", "no 'motion:' block");
+  check("source: {kind: stream, from: /dev/ttyNotYet}\n", code);
+  EXPECT_EQ(code, 0) << "a device may come later";
+}
+
+}  // namespace
+}  // namespace stillpoint
