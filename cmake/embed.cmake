@@ -1,0 +1,20 @@
+# cmake -DOUT=file.cpp -DNAMESPACE=a::b "-DIN=a;b;c" -P embed.cmake : each file becomes `extern const char NAME[]` in that
+# namespace, named after the file.
+# Raw strings are cut into pieces of 8 kB, which every compiler takes.
+set(text "// Made by cmake/embed.cmake.\nnamespace ${NAMESPACE} {\n")
+foreach(file ${IN})
+  get_filename_component(name ${file} NAME)
+  string(MAKE_C_IDENTIFIER ${name} name)
+  file(READ ${file} content)
+  string(LENGTH "${content}" length)
+  string(APPEND text "extern const char ${name}[];\nconst char ${name}[] =\n")
+  set(at 0)
+  while(at LESS length)
+    string(SUBSTRING "${content}" ${at} 8000 piece)
+    string(APPEND text "R\"embed(${piece})embed\"\n")
+    math(EXPR at "${at} + 8000")
+  endwhile()
+  string(APPEND text ";\n")
+endforeach()
+string(APPEND text "}\n")
+file(WRITE ${OUT} "${text}")

@@ -1,0 +1,10 @@
+# Run at installation: the headers of FOLDERS under SOURCE, to TO, with the includes of each other made absolute.
+string(REPLACE ";" "|" any "${FOLDERS}")
+foreach(folder ${FOLDERS})
+  file(GLOB_RECURSE headers RELATIVE ${SOURCE} ${SOURCE}/${folder}/*.h)
+  foreach(header ${headers})
+    file(READ ${SOURCE}/${header} text)
+    string(REGEX REPLACE "#include \"((${any})/[^\"]+)\"" "#include \"stillpoint/\\1\"" text "${text}")
+    file(WRITE ${TO}/${header} "${text}")
+  endforeach()
+endforeach()
