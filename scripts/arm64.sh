@@ -7,7 +7,7 @@ set -euo pipefail
 [ "$(id -u)" -eq 0 ] || { echo "debootstrap and chroot need root" >&2; exit 64; }
 cd "$(dirname "$0")/.."
 chroot_folder=$(realpath -m "$1")
-mirror=http://deb.debian.org/debian
+mirror=$(apt-get indextargets --format '$(SITE)' "Created-By: Packages" | head -n 1)  # as this machine's own apt
 
 [ -e "$chroot_folder/etc/debian_version" ] || debootstrap --variant=minbase bookworm "$chroot_folder" "$mirror"
 mountpoint -q "$chroot_folder/proc" || mount -t proc proc "$chroot_folder/proc"
