@@ -92,7 +92,7 @@ TurnSd turn_sd(const calib::OnlineCalibrator& c, const Vec3& raw) {
   const auto sd_with = [&](const calib::GyroMatrixSums& sums) {
     return std::sqrt(by_rows.dot(solve(sums, Mat3::Identity(), p.scale_sd, p.cross_sd).covariance * by_rows));
   };
-  return {sd_with(c.state().turns), sd_with({})};
+  return {sd_with(c.state().gyr_matrix.published), sd_with({})};
 }
 
 /// The first row at or after a time.

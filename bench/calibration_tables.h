@@ -2,6 +2,7 @@
 #pragma once
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <map>
 #include <random>
 #include <string>
@@ -85,6 +86,7 @@ Figures simulated_day();
 Figures alignment_and_gyro();
 Figures rest_detection();
 Figures real_recordings(const std::string& folder);
+void ordinary_use(unsigned first_seed, unsigned seeds);
 void thermal_chamber(const std::string& folder, Figures& figures);  ///< a part of real_recordings
 
 }  // namespace stillpoint::bench
