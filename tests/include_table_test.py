@@ -9,11 +9,16 @@ MAY_INCLUDE = {
     "idl": set(),
     "calib_online": {"core"},
     "fusion": {"core"},
-    "simulation": {"core"},
-    "io": {"core", "idl", "simulation", "calib_online", "fusion", "pipeline"},
+    "laws": {"core"},
+    "simulation": {"core", "laws"},
+    "io": {"core", "laws", "idl", "simulation", "calib_online", "fusion", "pipeline"},
+    "exchange": {"core", "io", "simulation"},
     "pipeline": {"core", "calib_online", "fusion"},
-    "diagnosis": {"core", "simulation", "calib_online", "fusion", "io"},
-    "apps": {"core", "idl", "calib_online", "fusion", "simulation", "io", "pipeline", "diagnosis"},
+    "c_api": {"core", "calib_online", "fusion", "pipeline"},
+    "diagnosis": {"core", "laws", "simulation", "calib_online", "fusion", "io"},
+    "sources": {"core", "idl", "pipeline", "io"},
+    "python": {"core", "c_api", "calib_online", "fusion", "simulation", "io", "pipeline", "diagnosis"},
+    "apps": {"core", "laws", "idl", "calib_online", "fusion", "simulation", "io", "pipeline", "sources", "diagnosis", "exchange"},
 }
 
 
