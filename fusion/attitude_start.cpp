@@ -47,8 +47,10 @@ void AttitudeFilter::bridge(const CalibratedSample& sample, bool gyr, bool acc, 
   // What was gathered before the pause is one step, the pause another.
   if (s_.sums.motion.time_s > 0.0) covariance_step();
   const Vec3 before = vec(s_.rate_radps);
-  double variance = gyr ? s_.rate_bridge.bridge_rad2(dt_s) : unknown_turn2(dt_s);
+  Mat3 unknown = Mat3::Identity() * unknown_turn2(dt_s);  // rad^2, in the world
   if (gyr) {
+    const auto R = mat(s_.R_world_body);
+    unknown = R * s_.rate_bridge.bridge_rad2(dt_s) * R.transpose();
     const Eigen::Map<const Mat3> M(s_.x.gyr_matrix.data());
     const Vec3 raw = vec(sample.gyr_radps);
     vec(s_.rate_radps) = raw - M * raw - vec(s_.x.gyr_bias_radps);
@@ -56,17 +58,18 @@ void AttitudeFilter::bridge(const CalibratedSample& sample, bool gyr, bool acc, 
   const Vec3 turned = 0.5 * dt_s * (before + vec(s_.rate_radps));
   s_.rate_bridge.interrupt();
   s_.iron_finder.interrupt();
-  mat(s_.sums.theta_rad2).diagonal().array() += std::min(variance, kPi * kPi);
+  unknown *= std::min(1.0, 3.0 * kPi * kPi / unknown.trace());
+  mat(s_.sums.theta_rad2) += unknown;
   mat(s_.sums.motion.R) += mat(s_.R_world_body) * dt_s;
   // The motion goes on unseen: within its own bounds nothing is known of it any more.
   const double speed2 = params_.motion_speed_mps * params_.motion_speed_mps * s_.motion_scale.speed2();
   mat(s_.sums.velocity_m2ps2).diagonal().array() += std::min(unknown_speed2(dt_s), 2.0 * speed2);
   set_attitude(quat(s_.x.q_world_body) * exp_quat(turned));
   s_.sums.moved = true;
-  const double tilt2 = s_.error.P()(kTheta, kTheta) + s_.error.P()(kTheta + 1, kTheta + 1) + 2.0 * variance;
+  const double tilt2 = (s_.error.P().topLeftCorner<2, 2>() + unknown.topLeftCorner<2, 2>()).trace();
   s_.regained &= tilt2 < kRegained_rad * kRegained_rad;
   if (!acc || tilt2 < kLostTilt_rad * kLostTilt_rad) return;
-  const double heading2 = s_.error.P()(kTheta + 2, kTheta + 2) + tilt2;
+  const double heading2 = s_.error.P()(kTheta + 2, kTheta + 2) + unknown(2, 2) + tilt2;
   const Vec3 force = vec(sample.acc_mps2) - vec(s_.x.acc_bias_mps2);
   if (force.norm() < 0.1 * kStandardGravity_mps2) return;
   const Quat down = Quat::FromTwoVectors(quat(s_.x.q_world_body) * force, Vec3::UnitZ());

@@ -22,15 +22,16 @@ class RateBridge {
   }
   void note_step(double step_s) noexcept;
 
-  /// Variance per axis [rad^2] of the turn over `gap_s` when both ends of the rate are known.
-  [[nodiscard]] double bridge_rad2(double gap_s) const noexcept;
+  /// Covariance [rad^2, body axes] of the turn over `gap_s` when both ends of the rate are known: along the axes about
+  /// which this body changes its rate, and a little about any.
+  [[nodiscard]] Mat3 bridge_rad2(double gap_s) const noexcept;
 
  private:
   static constexpr std::size_t kLag = 4;
   std::array<Array3, kLag> rates_radps_{};
   std::size_t at_ = 0, filled_ = 0;
-  double rate2_ = 0.0;  ///< mean square per axis, rad^2/s^2
-  double walk_ = 0.0;   ///< mean square change per axis and time, rad^2/s^3
+  double rate2_ = 0.0;            ///< mean square, rad^2/s^2
+  std::array<double, 9> walk_{};  ///< second moment of the change per time, rad^2/s^3
   double usual_step_s_ = 0.0;
 };
 
