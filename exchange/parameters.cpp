@@ -50,6 +50,8 @@ std::optional<ParameterFormat> parameter_format(const std::string& word) {
   if (word == "matlab") return ParameterFormat::kMatlab;
   if (word == "kalibr") return ParameterFormat::kKalibr;
   if (word == "px4") return ParameterFormat::kPx4;
+  if (word == "sensor") return ParameterFormat::kSensor;
+  if (word == "imu_calib") return ParameterFormat::kImuCalib;
   return std::nullopt;
 }
 
@@ -58,6 +60,8 @@ std::optional<ParameterFormat> guess_format(const std::string& name, const std::
   if (text.find("<imu") != std::string::npos) return ParameterFormat::kSdf;
   if (text.find("TC_A") != std::string::npos || text.find("TC_G") != std::string::npos) return ParameterFormat::kPx4;
   if (text.find("_noise_density") != std::string::npos) return ParameterFormat::kKalibr;
+  if (text.starts_with("sensor:") || text.find("\nsensor:") != std::string::npos) return ParameterFormat::kSensor;
+  if (text.starts_with("SM:") || text.find("\nSM:") != std::string::npos) return ParameterFormat::kImuCalib;
   if (name.ends_with(".yaml") || name.ends_with(".yml")) return ParameterFormat::kStillpoint;
   return std::nullopt;
 }
@@ -74,6 +78,10 @@ Result<ReadParameters> read_foreign(ParameterFormat format, const std::string& t
       return parameters::read_kalibr(text, name);
     case ParameterFormat::kPx4:
       return parameters::read_px4(text, name);
+    case ParameterFormat::kSensor:
+      return parameters::read_sensor(text, name);
+    case ParameterFormat::kImuCalib:
+      return parameters::read_imu_calib(text, name);
     case ParameterFormat::kStillpoint:
       break;
   }
@@ -104,6 +112,10 @@ WrittenParameters write_parameters(ParameterFormat format, const sim::Simulation
       return parameters::write_kalibr(simulation);
     case ParameterFormat::kPx4:
       return parameters::write_px4(simulation);
+    case ParameterFormat::kSensor:
+      return parameters::write_sensor(simulation);
+    case ParameterFormat::kImuCalib:
+      return parameters::write_imu_calib(simulation);
     case ParameterFormat::kStillpoint:
       break;
   }

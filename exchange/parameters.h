@@ -1,5 +1,5 @@
-/// Parameters of a simulated sensor in the formats of other programs: read into ours, written from ours, each time with
-/// a list of what the other side cannot hold.
+/// Parameters of a sensor, simulated or calibrated, in the formats of other programs: read into ours, written from
+/// ours, each time with a list of what the other side cannot hold.
 #pragma once
 #include <optional>
 #include <string>
@@ -15,10 +15,12 @@ enum class ParameterFormat {
   kSdf,         ///< <imu> of the Simulation Description Format (Gazebo)
   kMatlab,      ///< JSON of imuSensor's loadparams
   kKalibr,      ///< imu.yaml
-  kPx4          ///< thermal parameters TC_A0_..., TC_G0_... as QGroundControl saves them
+  kPx4,         ///< thermal parameters TC_A0_..., TC_G0_... as QGroundControl saves them
+  kSensor,      ///< `sensor:` of the daemon's configuration, as `stillpoint calibrate --output` writes it
+  kImuCalib     ///< YAML of the ROS package imu_calib: the accelerometer alone
 };
 
-/// "stillpoint", "sdf", "matlab", "kalibr", "px4"; nullopt for another word.
+/// "stillpoint", "sdf", "matlab", "kalibr", "px4", "sensor", "imu_calib"; nullopt for another word.
 [[nodiscard]] std::optional<ParameterFormat> parameter_format(const std::string& word);
 /// By what a file of this name and text is.
 [[nodiscard]] std::optional<ParameterFormat> guess_format(const std::string& name, const std::string& text);

@@ -14,6 +14,10 @@ namespace stillpoint::exchange::parameters {
 [[nodiscard]] WrittenParameters write_kalibr(const sim::SimulationConfig& simulation);
 [[nodiscard]] Result<ReadParameters> read_px4(const std::string& text, const std::string& name);
 [[nodiscard]] WrittenParameters write_px4(const sim::SimulationConfig& simulation);
+[[nodiscard]] Result<ReadParameters> read_sensor(const std::string& text, const std::string& name);
+[[nodiscard]] WrittenParameters write_sensor(const sim::SimulationConfig& simulation);
+[[nodiscard]] Result<ReadParameters> read_imu_calib(const std::string& text, const std::string& name);
+[[nodiscard]] WrittenParameters write_imu_calib(const sim::SimulationConfig& simulation);
 
 /// A sensor of a simulation with the words of lists and messages.
 struct Part {

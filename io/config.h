@@ -13,31 +13,13 @@
 #include "fusion/attitude_filter.h"
 #include "io/dds_params.h"
 #include "io/source_config.h"
+#include "io/triad_factory.h"
 #include "io/yaml.h"
 #include "pipeline/realtime.h"
 #include "pipeline/stages.h"
 #include "simulation/config.h"
 
 namespace stillpoint::io {
-
-/// What the maker or an earlier calibration says of one triad: u = matrix * (reading - bias).
-struct TriadFactory {
-  Vec3 bias = Vec3::Zero(), bias_per_K = Vec3::Zero(), bias_per_K2 = Vec3::Zero();
-  Mat3 matrix = Mat3::Identity();
-  double temp_ref_degC = 25.0, temp_min_degC = 25.0, temp_max_degC = 25.0;
-  static constexpr auto fields() {
-    using P = TriadFactory;
-    constexpr Range kTemperature = in_range(-200.0, 500.0);
-    return std::tuple{
-        field("bias", &P::bias, "in the unit of the reading, at temp_ref_degC"),
-        field("bias_per_K", &P::bias_per_K, "what a kelvin adds to it"),
-        field("bias_per_K2", &P::bias_per_K2, "and its square"),
-        field("temp_ref_degC", &P::temp_ref_degC, kTemperature, "from where the kelvins are counted"),
-        field("temp_min_degC", &P::temp_min_degC, kTemperature, "coldest temperature that this was seen at"),
-        field("temp_max_degC", &P::temp_max_degC, kTemperature, "warmest; nothing is extrapolated beyond the two"),
-        field("matrix", &P::matrix, "three rows; u = matrix * (reading - bias)")};
-  }
-};
 
 struct SensorConfig {
   std::string id = "imu0";

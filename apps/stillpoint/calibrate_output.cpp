@@ -2,12 +2,10 @@
 
 #include <fmt/format.h>
 
-#include <span>
+#include "io/triad_factory.h"
 
 namespace stillpoint::app {
 namespace {
-
-std::string list(std::span<const double> v) { return fmt::format("[{}]", fmt::join(v, ", ")); }
 
 std::string quoted(const std::string& text) {
   std::string out = "'";
@@ -16,13 +14,14 @@ std::string quoted(const std::string& text) {
 }
 
 std::string triad_yaml(const char* name, const char* unit, const TriadCalibration& t) {
-  const std::span<const double> m(t.matrix);
-  return fmt::format(
-      "  {}:  # {}; {}, {} pieces of evidence\n    bias: {}\n    bias_per_K: {}\n    bias_per_K2: {}\n"
-      "    temp_ref_degC: {}\n    temp_min_degC: {}\n    temp_max_degC: {}\n    matrix: [{}, {}, {}]\n",
-      name, unit, stillpoint::name(t.status), t.windows, list(t.bias), list(t.bias_per_K), list(t.bias_per_K2),
-      t.temp_ref_degC, t.temp_min_degC, t.temp_max_degC, list(m.subspan(0, 3)), list(m.subspan(3, 3)),
-      list(m.subspan(6, 3)));
+  return fmt::format("  {}:  # {}; {}, {} pieces of evidence\n", name, unit, stillpoint::name(t.status), t.windows) +
+         io::format_fields({.bias = vec(t.bias),
+                            .bias_per_K = vec(t.bias_per_K),
+                            .bias_per_K2 = vec(t.bias_per_K2),
+                            .matrix = mat(t.matrix),
+                            .temp_ref_degC = t.temp_ref_degC,
+                            .temp_min_degC = t.temp_min_degC,
+                            .temp_max_degC = t.temp_max_degC});
 }
 
 }  // namespace

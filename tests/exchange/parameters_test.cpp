@@ -5,9 +5,11 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 
 #include "io/simulation_yaml.h"
+#include "io/yaml.h"
 
 namespace stillpoint::exchange {
 namespace {
@@ -109,8 +111,78 @@ TEST(Parameters, Px4KeepsTheOffsetLinearInTemperature) {
   EXPECT_THAT(b.lost, Contains(HasSubstr("gyroscope: noise")));
 }
 
+/// What `stillpoint calibrate --output` writes, with its terms of temperature.
+constexpr auto kCalibrated = R"(sensor:
+  id: 'board 7'
+  accelerometer:  # m/s^2
+    bias: [0.1, -0.2, 0.3]
+    matrix: [[1.01, 0, 0], [0, 0.99, 0], [0, 0, 1.02]]
+  gyroscope:  # rad/s
+    bias: [0.01, 0.02, -0.03]
+    bias_per_K: [1.0e-4, -2.0e-4, 3.0e-4]
+    bias_per_K2: [1.0e-6, 2.0e-6, 0]
+    temp_ref_degC: 31
+    temp_min_degC: 20
+    temp_max_degC: 45
+    matrix: [[1.01, 0.002, 0], [0, 0.99, 0.003], [0.001, 0, 1.02]]
+)";
+
+TEST(Parameters, ACalibratedSensorsOffsetIsTheSameCurveOfTemperatureThereAndBack) {
+  const auto read = read_parameters(ParameterFormat::kSensor, kCalibrated, "board7.yaml");
+  ASSERT_TRUE(read) << read.error().message;
+  EXPECT_THAT(read->lost, Contains(HasSubstr("20 to 45 degC")));
+  const WrittenParameters written = write_parameters(ParameterFormat::kSensor, read->simulation);
+  const auto back = io::parse_yaml(written.text, "written");
+  ASSERT_TRUE(back) << written.text;
+  const YAML::Node gyr = (*back)["sensor"]["gyroscope"];
+  const auto number = [&gyr](const char* key, std::size_t axis) { return gyr[key][axis].as<double>(); };
+  constexpr std::array kBias{0.01, 0.02, -0.03}, kPerK{1e-4, -2e-4, 3e-4}, kPerK2{1e-6, 2e-6, 0.0};
+  for (const double temp_degC : {20.0, 25.0, 31.0, 45.0})
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      const double t = temp_degC - 31.0, u = temp_degC - gyr["temp_ref_degC"].as<double>();
+      EXPECT_NEAR(number("bias", axis) + u * (number("bias_per_K", axis) + u * number("bias_per_K2", axis)),
+                  kBias[axis] + t * (kPerK[axis] + t * kPerK2[axis]), 1e-12)
+          << temp_degC;
+    }
+  EXPECT_THAT(written.lost, Contains(HasSubstr("gyroscope: temp_min_degC")));
+}
+
+TEST(Parameters, Px4CorrectsAsTheCalibratedSensorDoes) {
+  const auto read = read_parameters(ParameterFormat::kSensor, kCalibrated, "board7.yaml");
+  ASSERT_TRUE(read);
+  const WrittenParameters px4 = write_parameters(ParameterFormat::kPx4, read->simulation);
+  EXPECT_THAT(px4.lost, Contains("gyroscope: misalignment"));
+  EXPECT_THAT(px4.text, HasSubstr("TC_A0_X0_1\t-0.2\t")) << "raw - X0 is then scaled";
+  EXPECT_THAT(px4.text, HasSubstr("TC_A0_SCL_2\t1.02\t"));
+}
+
+TEST(Parameters, ImuCalibTakesItsOffsetOffTheScaledReading) {
+  const auto read = read_parameters(ParameterFormat::kSensor, kCalibrated, "board7.yaml");
+  ASSERT_TRUE(read);
+  const Back b = there_and_back(ParameterFormat::kImuCalib, read->simulation);
+  EXPECT_THAT(b.text, HasSubstr("SM:\n  - 1.01\n")) << b.text;
+  EXPECT_THAT(b.text, HasSubstr("bias:\n  - 0.101\n  - -0.198\n  - 0.306\n")) << "SM reading - bias";
+  EXPECT_TRUE(b.simulation.accelerometer->bias.isApprox(Vec3(0.1, -0.2, 0.3), 1e-12));
+  EXPECT_THAT(b.lost, Contains("gyroscope"));
+}
+
+TEST(Parameters, ASensorThatCannotBeIsRefusedWithItsPlace) {
+  for (const auto& [text, what] :
+       {std::pair("sensor:\n  gyroscope: {matrix: [[1, 0, 0], [0, 0, 0], [0, 0, 1]]}\n", "no inverse"),
+        {"sensor:\n  gyroscope: {bais: [1, 2, 3]}\n", "did you mean 'bias'?"},
+        {"rate_hz: 100\n", "no sensor:"}}) {
+    const auto read = read_parameters(ParameterFormat::kSensor, text, "board7.yaml");
+    ASSERT_FALSE(read) << text;
+    EXPECT_THAT(read.error().message, testing::AllOf(HasSubstr("board7.yaml"), HasSubstr(what)));
+  }
+  const auto read = read_parameters(ParameterFormat::kImuCalib, "SM: [1, 0, 0]\nbias: [0, 0, 0]\n", "calib.yaml");
+  ASSERT_FALSE(read);
+  EXPECT_THAT(read.error().message, testing::AllOf(HasSubstr("calib.yaml"), HasSubstr("SM: 9 numbers")));
+}
+
 TEST(Parameters, FormatIsSeenByTheText) {
-  for (const auto format : {ParameterFormat::kSdf, ParameterFormat::kKalibr, ParameterFormat::kPx4})
+  for (const auto format : {ParameterFormat::kSdf, ParameterFormat::kKalibr, ParameterFormat::kPx4,
+                            ParameterFormat::kSensor, ParameterFormat::kImuCalib})
     EXPECT_EQ(guess_format("file", write_parameters(format, sensor()).text), format);
   EXPECT_EQ(guess_format("imu.json", "{}"), ParameterFormat::kMatlab);
 }
