@@ -3,6 +3,8 @@
 #include "apps/stillpoint/calibrate.h"
 
 #include "apps/stillpoint/commands.h"
+#include "apps/stillpoint/options.h"
+#include "apps/stillpoint/outcome.h"
 
 namespace stillpoint::app {
 namespace {

@@ -3,8 +3,8 @@
 
 #include "apps/stillpoint/calibrate.h"
 #include "apps/stillpoint/calibrate_mount_report.h"
-#include "apps/stillpoint/commands.h"
 #include "apps/stillpoint/json_text.h"
+#include "apps/stillpoint/outcome.h"
 #include "apps/stillpoint/plausible.h"
 #include "core/units.h"
 #include "io/recording.h"

@@ -5,8 +5,8 @@
 #include <nlohmann/json.hpp>
 
 #include "apps/stillpoint/calibrate.h"
-#include "apps/stillpoint/commands.h"
 #include "apps/stillpoint/json_text.h"
+#include "apps/stillpoint/outcome.h"
 #include "apps/stillpoint/points_table.h"
 #include "io/text_file.h"
 

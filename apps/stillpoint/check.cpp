@@ -1,5 +1,10 @@
 /// `stillpoint check FILE`: says what is wrong with a recording, a configuration or a simulation.
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+
 #include "apps/stillpoint/commands.h"
+#include "apps/stillpoint/outcome.h"
 #include "apps/stillpoint/plausible.h"
 #include "io/config.h"
 #include "io/recording.h"

@@ -11,10 +11,12 @@
 
 #include "apps/stillpoint/child_process.h"
 #include "apps/stillpoint/commands.h"
-#include "apps/stillpoint/dds_options.h"
+#include "apps/stillpoint/daemon_session.h"
 #include "apps/stillpoint/demo_score.h"
 #include "apps/stillpoint/demo_stage.h"
 #include "apps/stillpoint/json_text.h"
+#include "apps/stillpoint/options.h"
+#include "apps/stillpoint/outcome.h"
 #include "apps/stillpoint/watch_model.h"
 #include "core/clock.h"
 #include "core/units.h"

@@ -4,6 +4,8 @@
 #include "apps/stillpoint/commands.h"
 #include "apps/stillpoint/dds_options.h"
 #include "apps/stillpoint/json_text.h"
+#include "apps/stillpoint/options.h"
+#include "apps/stillpoint/outcome.h"
 #include "io/quote.h"
 #include "io/text_file.h"
 

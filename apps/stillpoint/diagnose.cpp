@@ -3,9 +3,12 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <functional>
 
 #include "apps/stillpoint/commands.h"
 #include "apps/stillpoint/laws_as_code.h"
+#include "apps/stillpoint/options.h"
+#include "apps/stillpoint/outcome.h"
 #include "apps/stillpoint/plausible.h"
 #include "apps/stillpoint/progress.h"
 #include "apps/stillpoint/simulated_log.h"

@@ -1,4 +1,7 @@
 /// `stillpoint effects`: the catalogue of effects, with equations, parameters and units.
+#include <CLI/CLI.hpp>
+#include <cstdio>
+
 #include "apps/stillpoint/commands.h"
 #include "simulation/effect_catalogue.h"
 

@@ -12,6 +12,8 @@
 #include "apps/stillpoint/commands.h"
 #include "apps/stillpoint/estimate_one.h"
 #include "apps/stillpoint/json_text.h"
+#include "apps/stillpoint/options.h"
+#include "apps/stillpoint/outcome.h"
 #include "apps/stillpoint/shard.h"
 #include "core/units.h"
 #include "io/text_file.h"

@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 
 #include "apps/stillpoint/attitude_file.h"
-#include "apps/stillpoint/commands.h"
+#include "apps/stillpoint/outcome.h"
 #include "apps/stillpoint/plausible.h"
 #include "core/units.h"
 #include "io/calibration_state.h"

@@ -4,6 +4,8 @@
 #include <fmt/format.h>
 
 #include "apps/stillpoint/commands.h"
+#include "apps/stillpoint/options.h"
+#include "apps/stillpoint/outcome.h"
 #include "core/nearest.h"
 #include "io/text_file.h"
 

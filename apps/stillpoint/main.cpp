@@ -4,7 +4,8 @@
 #include <filesystem>
 
 #include "apps/stillpoint/commands.h"
-#include "apps/stillpoint/convert.h"
+#include "apps/stillpoint/options.h"
+#include "apps/stillpoint/outcome.h"
 #include "io/quote.h"
 #include "io/yaml.h"
 

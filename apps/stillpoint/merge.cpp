@@ -1,10 +1,10 @@
 /// `stillpoint merge`: the tables of an array job's shards as one, with totals.
 #include <fmt/format.h>
 
-#include <array>
-
 #include "apps/stillpoint/commands.h"
 #include "apps/stillpoint/json_text.h"
+#include "apps/stillpoint/options.h"
+#include "apps/stillpoint/outcome.h"
 #include "apps/stillpoint/shard.h"
 #include "io/text_file.h"
 
@@ -17,9 +17,6 @@ struct Options {
   std::string csv;
 };
 
-constexpr std::array kColumns{"rows",    "samples", "dropped_rows", "gaps",
-                              "refused", "clipped", "spikes",       "rest_windows"};
-
 /// RFC 4180.
 std::string field(const std::string& text) {
   if (text.find_first_of(",\"\r\n") == std::string::npos) return text;
@@ -29,10 +26,10 @@ std::string field(const std::string& text) {
 }
 
 std::string csv_of(const nlohmann::json& merged) {
-  std::string out = fmt::format("recording,{},error\n", fmt::join(kColumns, ","));
+  std::string out = fmt::format("recording,{},error\n", fmt::join(kCounts, ","));
   for (const auto& entry : merged["recordings"]) {
     out += field(entry["recording"].get<std::string>());
-    for (const char* column : kColumns)
+    for (const char* column : kCounts)
       out += ',' + (entry.contains(column) ? std::to_string(entry[column].get<std::uint64_t>()) : std::string());
     out += ',' +
            (entry.contains("error")
@@ -48,10 +45,10 @@ void print(const nlohmann::json& merged) {
   for (const auto& entry : merged["recordings"])
     width = std::max(width, entry["recording"].get_ref<const std::string&>().size());
   fmt::print("{:<{}}", "recording", width);
-  for (const char* column : kColumns) fmt::print(" {:>12}", column);
+  for (const char* column : kCounts) fmt::print(" {:>12}", column);
   fmt::print("\n");
   const auto numbers = [](const nlohmann::json& entry) {
-    for (const char* column : kColumns) fmt::print(" {:>12}", entry.value(column, std::uint64_t{0}));
+    for (const char* column : kCounts) fmt::print(" {:>12}", entry.value(column, std::uint64_t{0}));
     fmt::print("\n");
   };
   for (const auto& entry : merged["recordings"]) {

@@ -9,6 +9,8 @@
 #include "apps/stillpoint/commands.h"
 #include "apps/stillpoint/json_text.h"
 #include "apps/stillpoint/noise_report.h"
+#include "apps/stillpoint/options.h"
+#include "apps/stillpoint/outcome.h"
 #include "apps/stillpoint/plausible.h"
 #include "io/recording.h"
 #include "io/text_file.h"

@@ -4,8 +4,11 @@
 #include <thread>
 
 #include "apps/stillpoint/commands.h"
+#include "apps/stillpoint/daemon_session.h"
 #include "apps/stillpoint/dds_options.h"
 #include "apps/stillpoint/json_text.h"
+#include "apps/stillpoint/options.h"
+#include "apps/stillpoint/outcome.h"
 #include "apps/stillpoint/page_json.h"
 #include "apps/stillpoint/page_server.h"
 #include "core/clock.h"

@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-#include "apps/stillpoint/dds_options.h"
+#include "apps/stillpoint/daemon_session.h"
 #include "apps/stillpoint/live_words.h"
 #include "apps/stillpoint/status_view.h"
 

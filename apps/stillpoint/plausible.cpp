@@ -1,6 +1,6 @@
 #include "apps/stillpoint/plausible.h"
 
-#include "apps/stillpoint/commands.h"
+#include "apps/stillpoint/outcome.h"
 #include "io/plausibility_text.h"
 
 namespace stillpoint::app {

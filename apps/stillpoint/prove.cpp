@@ -9,6 +9,8 @@
 
 #include "apps/stillpoint/child_process.h"
 #include "apps/stillpoint/commands.h"
+#include "apps/stillpoint/options.h"
+#include "apps/stillpoint/outcome.h"
 #include "apps/stillpoint/progress.h"
 #include "apps/stillpoint/prove_invented.h"
 #include "diagnosis/prove/prove.h"

@@ -2,12 +2,13 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <atomic>
+#include <cstdio>
 #include <thread>
 #include <vector>
 
 #include "apps/stillpoint/child_process.h"
-#include "apps/stillpoint/commands.h"
 #include "apps/stillpoint/progress.h"
 #include "diagnosis/prove/invented.h"
 #include "diagnosis/prove/sha256.h"

@@ -7,7 +7,10 @@
 #include <vector>
 
 #include "apps/stillpoint/commands.h"
+#include "apps/stillpoint/daemon_session.h"
 #include "apps/stillpoint/dds_options.h"
+#include "apps/stillpoint/options.h"
+#include "apps/stillpoint/outcome.h"
 #include "exchange/mcap_writer.h"
 #include "io/dds_subscriber.h"
 #include "io/recording_stream.h"

@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <array>
 #include <charconv>
 #include <map>
 
@@ -13,8 +12,6 @@ namespace stillpoint::app {
 namespace {
 
 using Json = nlohmann::json;
-constexpr std::array kSummed{"rows",    "samples", "dropped_rows", "refused",     "gaps",
-                             "clipped", "spikes",  "not_finite",   "rest_windows"};
 
 std::string list_id(const std::vector<std::string>& sorted) {
   std::uint64_t hash = fnv1a("");
@@ -30,7 +27,7 @@ std::string fault_of(const Json& table) {
   for (const Json& entry : table["recordings"]) {
     if (!entry.is_object() || !entry.contains("recording") || !entry["recording"].is_string())
       return "a recording without a name";
-    for (const char* key : kSummed)
+    for (const char* key : kCounts)
       if (entry.contains(key) && !entry[key].is_number_unsigned())
         return fmt::format("{} of {} is no count", key, io::quote(entry["recording"].get<std::string>()));
   }
@@ -96,11 +93,11 @@ Result<MergedTables> merge_tables(const std::vector<NamedTable>& tables) {
   }
   out.document = {{"schema", "stillpoint.estimates/1"}, {"recordings", Json::array()}};
   Json totals{{"recordings", by_recording.size()}, {"failed", 0}};
-  for (const char* key : kSummed) totals[key] = 0;
+  for (const char* key : kCounts) totals[key] = 0;
   for (const auto& [name, from] : by_recording) {
     const Json& entry = from.second;
     if (entry.contains("error")) totals["failed"] = totals["failed"].get<std::size_t>() + 1;
-    for (const char* key : kSummed) totals[key] = totals[key].get<std::uint64_t>() + entry.value(key, std::uint64_t{0});
+    for (const char* key : kCounts) totals[key] = totals[key].get<std::uint64_t>() + entry.value(key, std::uint64_t{0});
     out.document["recordings"].push_back(entry);
   }
   out.document["totals"] = std::move(totals);

@@ -1,5 +1,6 @@
 /// `--shard I/N`: one job's part of many recordings, the same for every job that is given the same list.
 #pragma once
+#include <array>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
@@ -26,6 +27,10 @@ template <class T>
 
 /// Of the whole list, so that parts of different lists are not taken for one.
 [[nodiscard]] nlohmann::json to_json(const Shard& shard, const std::vector<std::string>& sorted);
+
+/// What a table counts for each recording, and what is summed.
+inline constexpr std::array kCounts{"rows",    "samples", "dropped_rows", "gaps",        "refused",
+                                    "clipped", "spikes",  "not_finite",   "rest_windows"};
 
 /// Tables of schema "stillpoint.estimates/1" as one with totals, by name of the recording.
 struct MergedTables {

@@ -5,6 +5,8 @@
 
 #include "apps/stillpoint/commands.h"
 #include "apps/stillpoint/json_text.h"
+#include "apps/stillpoint/options.h"
+#include "apps/stillpoint/outcome.h"
 #include "io/simulated_recording.h"
 #include "io/simulation_yaml.h"
 #include "io/text_file.h"

@@ -5,8 +5,11 @@
 #include <thread>
 
 #include "apps/stillpoint/commands.h"
+#include "apps/stillpoint/daemon_session.h"
 #include "apps/stillpoint/dds_options.h"
 #include "apps/stillpoint/json_text.h"
+#include "apps/stillpoint/options.h"
+#include "apps/stillpoint/outcome.h"
 #include "apps/stillpoint/watch_model.h"
 #include "core/clock.h"
 #include "io/dds_subscriber.h"
