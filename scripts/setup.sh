@@ -1,6 +1,6 @@
 # Installs what is missing and builds. Sourced by ./run and ./check; both run from the project's root.
 
-say() { printf '==> %s\n' "$*"; }
+say() { printf '==> %s s: %s\n' "$SECONDS" "$*"; }
 
 # agreed QUESTION: whether a person at this terminal says yes. Nobody there, or no sudo: no.
 agreed() {

@@ -5,7 +5,7 @@
 #include <atomic>
 
 #include "io/dds_subscriber.h"
-#include "tests/apps/daemon_fixture.h"
+#include "tests/daemon/daemon_fixture.h"
 #include "tests/dds/network_namespace.h"
 
 namespace stillpoint::test {

@@ -4,7 +4,7 @@
 
 #include "io/dds_publisher.h"
 #include "io/dds_subscriber.h"
-#include "tests/apps/daemon_fixture.h"
+#include "tests/daemon/daemon_fixture.h"
 #include "tests/dds/dds_testing.h"
 
 namespace stillpoint::test {

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "tests/apps/daemon_fixture.h"
+#include "tests/daemon/daemon_fixture.h"
 
 namespace stillpoint::test {
 namespace {

@@ -24,6 +24,9 @@ inline io::DdsParams test_params(const char* transport = "udp") {
   return params;
 }
 
+/// Of a discovery server of the test's own.
+inline std::uint16_t server_port() { return static_cast<std::uint16_t>(12000 + io::own_domain()); }
+
 /// Polls until the condition holds, at most ten seconds.
 template <class Condition>
 bool eventually(const Condition& condition) {

@@ -9,7 +9,6 @@
 #include "io/dds_publisher.h"
 #include "io/dds_servers.h"
 #include "io/dds_subscriber.h"
-#include "tests/apps/apps_testing.h"
 #include "tests/dds/dds_testing.h"
 #include "tests/dds/discovery_server.h"
 
@@ -20,7 +19,6 @@ using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
 
-std::uint16_t server_port() { return static_cast<std::uint16_t>(12000 + test_params().domain); }
 std::string server_address() { return "127.0.0.1:" + std::to_string(server_port()); }
 
 /// One daemon's publisher and one subscriber of it, and whether they have met.
@@ -84,32 +82,6 @@ TEST(DiscoveryServer, AddressesThatCannotBeAreNamed) {
     EXPECT_THAT(check(client({std::string("127.0.0.1:") + port})), ElementsAre(HasSubstr("1 to 65535"))) << port;
   EXPECT_THAT(check(client({"10.9.8.7:11811"})), ElementsAre(HasSubstr("set 'interface'")));
   EXPECT_THAT(check(client({"", ""})), ElementsAre(HasSubstr("names no server")));
-}
-
-TEST(DiscoveryServer, ADaemonAndTheToolMeetThroughIt) {
-  const DiscoveryServer server(0, server_port());
-  const ScratchFolder folder;
-  const std::string domain = std::to_string(test_params().domain);
-  const auto configure = [&](const std::string& address, const std::string& own_process) {
-    write_file(folder / "d.yaml", "source: {kind: simulation, file: " + configs("sim_handheld.yaml") +
-                                      ", speed: 1}\nsensor: {id: test}\ndds: {domain: " + domain +
-                                      ", namespace: robot1, own_process: " + own_process + ", discovery_server: ['" +
-                                      address + "']}\n");
-  };
-  configure("127.0.0.1:x", "false");
-  EXPECT_EQ(run(STILLPOINTD " --check-config --config " + (folder / "d.yaml"), folder / "log"), 78);
-  EXPECT_THAT(read_file(folder / "log"), HasSubstr("d.yaml:3:6: discovery_server: '127.0.0.1:x': the port is 'x'"));
-  for (const char* own_process : {"false", "true"}) {
-    configure(server.address(), own_process);
-    Process daemon({STILLPOINTD, "--config", folder / "d.yaml"}, folder / "log");
-    EXPECT_EQ(run(STILLPOINT " watch --once --timeout 10 --json - --namespace robot1 --domain " + domain +
-                      " --discovery-server " + server.address(),
-                  folder / "watch"),
-              0)
-        << read_file(folder / "watch") << read_file(folder / "log");
-    daemon.send(SIGTERM);
-    daemon.wait();
-  }
 }
 
 TEST(Namespace, OfEachDaemonKeepsTheirTopicsApart) {

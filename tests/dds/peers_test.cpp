@@ -1,14 +1,10 @@
 #include <gtest/gtest.h>
 
 #include <atomic>
-#include <filesystem>
-#include <fstream>
 #include <mutex>
-#include <nlohmann/json.hpp>
 
 #include "io/dds_publisher.h"
 #include "io/dds_subscriber.h"
-#include "io/recording.h"
 #include "tests/dds/dds_testing.h"
 #include "tests/dds/process.h"
 
@@ -186,58 +182,6 @@ TEST(DdsPeers, APublisherStartsBesideTheLeftoversOfAKilledOne) {
     ASSERT_TRUE(subscriber) << subscriber.error().message;
     EXPECT_TRUE(eventually([&] { return received > 10; })) << transport;
   }
-}
-
-TEST(Watch, OnceGivesOneJsonObjectWithAttitudeCalibrationAndLatency) {
-  Process daemon({DDS_PEER, "publish", domain(), "udp", "30", "200"});
-  Process watch({STILLPOINT, "watch", "--domain", domain(), "--once", "--seconds", "1", "--json", "-"});
-  const std::string text = watch.output();
-  EXPECT_EQ(watch.wait(), 0);
-  const auto json = nlohmann::json::parse(text, nullptr, false);
-  ASSERT_FALSE(json.is_discarded()) << text;
-  EXPECT_GT(json["received"].get<int>(), 50);
-  EXPECT_NEAR(json["rate_hz"].get<double>(), 200.0, 120.0);  // a busy machine sends unevenly
-  EXPECT_EQ(json["lost"], 0);
-  EXPECT_EQ(json["calibration"]["version"], 7);
-  EXPECT_EQ(json["calibration"]["sensors"][1]["status"], "not_observable");
-  EXPECT_EQ(json["attitude"]["heading_reference"], "true");
-  EXPECT_EQ(json["diagnostics"]["samples"], 2500);
-  EXPECT_GT(json["latency_us"]["p99"].get<double>(), 0.0);
-}
-
-TEST(Watch, SaysWhatItWaitsForAndEndsWith69WhenNothingIsThere) {
-  Process watch({STILLPOINT, "watch", "--domain", domain(), "--once", "--timeout", "0.5", "--json", "-"});
-  EXPECT_EQ(watch.output(), "") << "standard output belongs to the JSON";
-  EXPECT_EQ(watch.wait(), 69);
-}
-
-TEST(Record, WritesARecordingThatReadsBackBitForBit) {
-  const auto path = std::filesystem::temp_directory_path() / ("stillpoint_record_" + std::to_string(getpid()) + ".csv");
-  Process daemon({DDS_PEER, "publish", domain(), "udp", "30", "500"});
-  Process record({STILLPOINT, "record", "--domain", domain(), "--seconds", "1", "--output", path});
-  EXPECT_EQ(record.wait(), 0);
-  const auto recording = io::read_recording(path);
-  std::filesystem::remove(path);
-  ASSERT_TRUE(recording) << recording.error().message;
-  ASSERT_GT(recording->size(), 100U);
-  const auto first = static_cast<std::uint64_t>((recording->t_ns[0] - test::raw_sample(0).t_ns) / 1'000'000);
-  for (std::size_t i = 0; i < recording->size(); ++i) {
-    const RawSample expected = test::raw_sample(first + i);
-    const RawSample got = recording->sample(i);
-    ASSERT_EQ(got.t_ns, expected.t_ns);
-    ASSERT_EQ(got.has, expected.has) << "row " << i;
-    ASSERT_EQ(got.acc_mps2, expected.acc_mps2);
-    ASSERT_EQ(got.gyr_radps, expected.gyr_radps);
-    ASSERT_EQ(got.mag_uT, expected.mag_uT);
-    ASSERT_EQ(got.temp_degC, expected.temp_degC);
-  }
-}
-
-TEST(Record, LeavesNoEmptyFileBehindWhenNothingIsThere) {
-  const auto path = std::filesystem::temp_directory_path() / ("stillpoint_none_" + std::to_string(getpid()) + ".csv");
-  Process record({STILLPOINT, "record", "--domain", domain(), "--timeout", "0.5", "--output", path});
-  EXPECT_EQ(record.wait(), 69);
-  EXPECT_FALSE(std::filesystem::exists(path));
 }
 
 }  // namespace

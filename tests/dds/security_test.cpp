@@ -11,7 +11,6 @@
 #include "io/dds_subscriber.h"
 #include "tests/dds/keys.h"
 #include "tests/dds/network_namespace.h"
-#include "tests/dds/process.h"
 #include "tests/dds/wiretap.h"
 
 namespace stillpoint::test {
@@ -125,7 +124,8 @@ TEST(SecurityOfTheDomain, MessagesSignedOrEncryptedAsAWholePassTheGateToo) {
 TEST(SecurityOfTheDomain, WhatIsSentCanBeReadOnTheWireWithoutKeysAndNotWithThem) {
   const NetworkNamespace network;  // the tests that run beside this one are heard on a loopback of their own
   Wiretap wire;
-  if (!network.ready() || !wire.ready()) GTEST_SKIP() << "SKIPPED: needs root and the tool `ip` to listen on a loopback";
+  if (!network.ready() || !wire.ready())
+    GTEST_SKIP() << "SKIPPED: needs root and the tool `ip` to listen on a loopback";
   const Keys keys("daemon=daemon laptop");
   const std::string said = calibration_message().sensor_id;
   for (const bool secured : {true, false}) {
@@ -139,34 +139,6 @@ TEST(SecurityOfTheDomain, WhatIsSentCanBeReadOnTheWireWithoutKeysAndNotWithThem)
         << "nor is it known what topics there are";
   }
 }
-
-/// The programs as users run them.
-class SecuredDaemon : public testing::TestWithParam<const char*> {
- protected:
-  [[nodiscard]] int watch(const std::string& options) const {
-    return run(STILLPOINT " watch --once --timeout 4 --json - --domain " + std::to_string(test_params().domain) + " " +
-                   options,
-               folder_ / "watch");
-  }
-  ScratchFolder folder_;
-};
-
-TEST_P(SecuredDaemon, IsWatchedWithKeysAndSilentWithout) {
-  const Keys keys("daemon=daemon laptop");
-  write_file(folder_ / "d.yaml",
-             "source: {kind: simulation, file: " + configs("sim_handheld.yaml") +
-                 ", speed: 1}\nsensor: {id: test}\ndds: {domain: " + std::to_string(test_params().domain) +
-                 ", own_process: " + GetParam() + ", security: {folder: '" + (keys / "daemon") + "'}}\n");
-  Process daemon({STILLPOINTD, "--config", folder_ / "d.yaml"}, folder_ / "log");
-  EXPECT_EQ(watch("--security " + (keys / "laptop")), 0) << read_file(folder_ / "watch") << read_file(folder_ / "log");
-  EXPECT_EQ(watch(""), 69);
-  EXPECT_THAT(read_file(folder_ / "watch"), testing::HasSubstr("give --security FOLDER"));
-  daemon.send(SIGTERM);
-  EXPECT_EQ(daemon.wait(), 0);
-}
-
-INSTANTIATE_TEST_SUITE_P(OwnProcess, SecuredDaemon, testing::Values("false", "true"),
-                         [](const auto& test) { return std::string(test.param); });
 
 }  // namespace
 }  // namespace stillpoint::test

@@ -1,6 +1,6 @@
 /// What the world does to a daemon: a full disk, a log that nobody reads, too few rights, one core, a twin. Each time
 /// it says what is wrong and keeps what it had.
-#include "tests/apps/daemon_fixture.h"
+#include "tests/daemon/daemon_fixture.h"
 
 namespace stillpoint::test {
 namespace {
