@@ -115,7 +115,9 @@ TEST_P(SecuredDaemon, IsWatchedWithKeysAndSilentWithout) {
                  ", speed: 1}\nsensor: {id: test}\ndds: {domain: " + std::to_string(test_params().domain) +
                  ", own_process: " + GetParam() + ", security: {folder: '" + (keys / "daemon") + "'}}\n");
   Process daemon({STILLPOINTD, "--config", folder_ / "d.yaml"}, folder_ / "log");
-  EXPECT_EQ(watch("--security " + (keys / "laptop")), 0) << read_file(folder_ / "watch") << read_file(folder_ / "log");
+  int heard = 69;  // Fast DDS 2.9.1 may lose the handshake for good: docs/security.md
+  for (int attempt = 0; attempt < 4 && heard != 0; ++attempt) heard = watch("--security " + (keys / "laptop"));
+  EXPECT_EQ(heard, 0) << read_file(folder_ / "watch") << read_file(folder_ / "log");
   EXPECT_EQ(watch(""), 69);
   EXPECT_THAT(read_file(folder_ / "watch"), testing::HasSubstr("give --security FOLDER"));
   daemon.send(SIGTERM);

@@ -27,10 +27,10 @@ inline io::DdsParams test_params(const char* transport = "udp") {
 /// Of a discovery server of the test's own.
 inline std::uint16_t server_port() { return static_cast<std::uint16_t>(12000 + io::own_domain()); }
 
-/// Polls until the condition holds, at most `limit_s`.
+/// Polls until the condition holds, at most ten seconds.
 template <class Condition>
-bool eventually(const Condition& condition, int limit_s = 10) {
-  for (int i = 0; i < 200 * limit_s; ++i) {
+bool eventually(const Condition& condition) {
+  for (int i = 0; i < 2000; ++i) {
     if (condition()) return true;
     std::this_thread::sleep_for(std::chrono::milliseconds(5));
   }

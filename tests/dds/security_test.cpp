@@ -55,10 +55,22 @@ std::unique_ptr<io::DdsPublisher> publisher(const io::DdsParams& params) {
   return std::move(*made);
 }
 
-/// Publishes until this many have come. On a busy machine a handshake is begun anew more than once.
+/// Publishes until this many have come.
 bool receives(io::DdsPublisher& from, const Receiver& at, std::size_t attitudes = 20) {
   std::uint64_t k = 0;
-  return eventually([&] { return from.publish(attitude_message(k++)) && at.attitudes() >= attitudes; }, 60);
+  return eventually([&] { return from.publish(attitude_message(k++)) && at.attitudes() >= attitudes; });
+}
+
+/// A receiver that is served. Fast DDS 2.9.1 loses a step of two handshakes in a hundred for good, in whole or for one
+/// topic; a new participant is then served (docs/security.md).
+std::unique_ptr<Receiver> served(io::DdsPublisher& from, const io::DdsParams& params) {
+  std::unique_ptr<Receiver> at;
+  for (int attempt = 0; attempt < 4; ++attempt) {
+    at = std::make_unique<Receiver>(params);
+    if (receives(from, *at) && eventually([&] { return at->calibrations == 1 && at->publishers() == 2; })) return at;
+  }
+  ADD_FAILURE() << "never served: " << at->attitudes() << " attitudes, " << at->calibrations << " calibrations";
+  return at;
 }
 
 class Security : public testing::TestWithParam<const char*> {};
@@ -67,13 +79,11 @@ TEST_P(Security, KeysOfOneAuthorityAreServedBitForBitAndNobodyElseMatches) {
   const Keys keys("daemon=daemon laptop"), others("stranger");
   const auto from = publisher(with_keys(keys / "daemon", GetParam()));
   const Receiver without(test_params(GetParam())), foreign(with_keys(others / "stranger", GetParam()));
-  const Receiver at(with_keys(keys / "laptop", GetParam()));
-  ASSERT_TRUE(receives(*from, at));
-  EXPECT_EQ(bits(at.last()), bits(attitude_message(at.last().sequence)));
-  EXPECT_TRUE(eventually([&] { return at.calibrations == 1; })) << "kept for who comes late";
-  EXPECT_EQ(at.publishers(), 2);
+  const auto at = served(*from, with_keys(keys / "laptop", GetParam()));
+  ASSERT_FALSE(HasFailure());
+  EXPECT_EQ(bits(at->last()), bits(attitude_message(at->last().sequence)));
   std::this_thread::sleep_for(std::chrono::seconds(2));  // four announcements
-  EXPECT_EQ(from->attitude_subscribers(), 1);
+  EXPECT_TRUE(eventually([&] { return from->attitude_subscribers() == 1; })) << from->attitude_subscribers();
   for (const Receiver* stranger : {&without, &foreign}) {
     EXPECT_EQ(stranger->publishers(), 0);
     EXPECT_EQ(stranger->attitudes(), 0U);
@@ -95,8 +105,9 @@ TEST(SecurityOfTheDomain, APublisherWithoutKeysIsNotHeardByWhoHasSome) {
   }
   EXPECT_EQ(stranger->attitude_subscribers(), 0);
   EXPECT_EQ(at.attitudes(), 0U);
-  const auto from = publisher(with_keys(keys / "daemon"));
-  EXPECT_TRUE(receives(*from, at)) << "the same subscriber, and a publisher with keys";
+  bool heard = false;  // the handshake may be lost, as served() says
+  for (int attempt = 0; attempt < 4 && !heard; ++attempt) heard = receives(*publisher(with_keys(keys / "daemon")), at);
+  EXPECT_TRUE(heard) << "the same subscriber, and a publisher with keys";
 }
 
 TEST(SecurityOfTheDomain, WhoMayOnlyReadCannotPublish) {
@@ -115,8 +126,7 @@ TEST(SecurityOfTheDomain, MessagesSignedOrEncryptedAsAWholePassTheGateToo) {
     keys.edit("ca/governance.xml", "<rtps_protection_kind>NONE", "<rtps_protection_kind>" + std::string(kind));
     keys.make("daemon laptop");
     const auto from = publisher(with_keys(keys / "daemon"));
-    const Receiver at(with_keys(keys / "laptop"));
-    EXPECT_TRUE(receives(*from, at)) << kind;
+    EXPECT_NE(served(*from, with_keys(keys / "laptop")), nullptr) << kind;
     EXPECT_EQ(from->refused_datagrams().malformed, 0U) << kind;
   }
 }
@@ -130,8 +140,8 @@ TEST(SecurityOfTheDomain, WhatIsSentCanBeReadOnTheWireWithoutKeysAndNotWithThem)
   const std::string said = calibration_message().sensor_id;
   for (const bool secured : {true, false}) {
     const auto from = publisher(secured ? with_keys(keys / "daemon") : test_params());
-    const Receiver at(secured ? with_keys(keys / "laptop") : test_params());
-    ASSERT_TRUE(receives(*from, at) && eventually([&] { return at.calibrations == 1; }));
+    const auto at = served(*from, secured ? with_keys(keys / "laptop") : test_params());
+    ASSERT_FALSE(HasFailure());
     const std::string seen = wire.take();
     EXPECT_NE(seen.find("RTPS"), std::string::npos);
     EXPECT_EQ(seen.find(said) == std::string::npos, secured);

@@ -40,9 +40,13 @@ class SecuredSource : public testing::Test {
 };
 
 TEST_F(SecuredSource, HearsADriverThatMayPublish) {
-  const auto allowed = driver("driver");
   Arrival out;
-  EXPECT_TRUE(test::eventually_sample(*source_, out)) << test::read_file(log());
+  bool heard = false;  // Fast DDS 2.9.1 may lose the handshake for good: docs/security.md
+  for (int attempt = 0; attempt < 4 && !heard; ++attempt) {
+    const auto allowed = driver("driver");
+    heard = test::eventually_sample(*source_, out);
+  }
+  EXPECT_TRUE(heard) << test::read_file(log());
 }
 
 TEST_F(SecuredSource, HearsNoDriverWithoutKeys) {
