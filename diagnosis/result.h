@@ -127,6 +127,7 @@ struct Diagnosis {
   std::vector<Finding> findings;
   std::vector<ConfigurationFault> configuration;
   std::vector<NoiseFault> noise;
+  std::vector<std::string> unaccounted;  ///< what is left far over the noise and is no finding, in words
   std::vector<Surplus> surplus;
   std::vector<Validation> validation;
   std::vector<ChannelResidual> residual;

@@ -114,11 +114,14 @@ std::string wrapped(const std::string& text) {
   return out;
 }
 
-/// A wrong number of the simulation too, whatever else is missing: " The noise is not ..."; empty where it is right.
+/// Wrong noise of the simulation, and what is left, whatever else is missing: " The noise is not ..."; empty where
+/// there is neither.
 std::string noise_told(const Diagnosis& d) {
   std::vector<std::string> parts;
   for (const auto& n : d.noise) parts.push_back(fmt::format("{} {:.1f} times", n.channel, n.measured / n.configured));
-  return parts.empty() ? "" : fmt::format(" The noise is not as configured: {}.", fmt::join(parts, ", "));
+  std::string out = parts.empty() ? "" : fmt::format(" The noise is not as configured: {}.", fmt::join(parts, ", "));
+  if (!d.unaccounted.empty()) out += fmt::format(" Left without a cause: {}.", fmt::join(d.unaccounted, "; "));
+  return out;
 }
 
 }  // namespace
@@ -163,6 +166,17 @@ std::string summarise(const Diagnosis& d) {
   return fmt::format("Missing physics: {}.", fmt::join(parts, "; ")) + noise;
 }
 
+namespace {
+
+/// The smallest offset that this motion would show; on a still bench the matrix takes the place of every offset.
+std::string offset_seen(const ChannelResidual& r) {
+  constexpr double kHidden = 10.0;  // times the remaining deviation
+  if (!(r.smallest_seen < kHidden * r.rms_after)) return "this motion does not tell an offset from the matrix";
+  return fmt::format("an offset is seen from {:.2g} on", r.smallest_seen);
+}
+
+}  // namespace
+
 std::string to_text(const Diagnosis& d) {
   std::string out = fmt::format("VERDICT  {}  [{}]\n", d.summary, verdict_word(d.verdict));
   for (const Finding& f : d.findings) out += "\n" + finding_text(f);
@@ -175,8 +189,8 @@ std::string to_text(const Diagnosis& d) {
   for (const auto& n : d.noise)
     out += fmt::format("NOISE    {}: configured {:.3g}, measured {:.3g}\n", n.channel, n.configured, n.measured);
   for (const auto& r : d.residual)
-    out += fmt::format("CHANNEL  {}: rms {:.4g} -> {:.4g} {}, {}; an offset is seen from {:.2g} on\n", r.channel,
-                       r.rms_before, r.rms_after, r.unit, r.white ? "white" : "not white", r.smallest_seen);
+    out += fmt::format("CHANNEL  {}: rms {:.4g} -> {:.4g} {}, {}; {}\n", r.channel, r.rms_before, r.rms_after, r.unit,
+                       r.white ? "white" : "not white", offset_seen(r));
   for (const auto& n : d.notices) out += "NOTICE   " + n + "\n";
   return wrapped(out);
 }

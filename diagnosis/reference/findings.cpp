@@ -15,6 +15,7 @@
 #include "diagnosis/reference/curves.h"
 #include "diagnosis/reference/drift.h"
 #include "diagnosis/reference/given_effects.h"
+#include "diagnosis/reference/left_at_rest.h"
 #include "diagnosis/reference/remainder.h"
 #include "diagnosis/reference/steadiness.h"
 #include "diagnosis/reference/unrecorded.h"
@@ -222,12 +223,26 @@ Finding drift_finding(const Signals& s, const SensorSearch& search, const Finish
   return out;
 }
 
+bool has_no_model(const Finding& f) { return f.effect.starts_with("unknown") || f.effect.ends_with("_drift"); }
+
 sim::EffectConfig drift_effect(Sensor sensor, const Finished& finished) {
   sim::EffectConfig e;
   e.id = drift_id(sensor);
   const auto& q = finished.fit.walk_q;
   e.parameters[sim::find_effect(e.id)->parameters.front().key] = {q.begin(), q.end()};
   return e;
+}
+
+/// What swings is no white noise that the simulation could have.
+void tell_swings(const Signals& s, const SensorSearch& search, const Finished& finished, Diagnosis& out) {
+  auto swings = swings_at_rest(s, search, finished);
+  if (!swings) return;
+  std::erase_if(out.noise, [&](const NoiseFault& n) { return n.channel.starts_with(kSensorName[search.sensor]); });
+  out.unaccounted.push_back(std::move(*swings));
+  out.notices.push_back(fmt::format(
+      "{}: the body vibrates where the reference cannot see it, or the sensor makes a line of varying frequency. "
+      "Switch off what turns nearby, or record its speed, and the sensor at a higher rate",
+      kSensorName[search.sensor]));
 }
 
 }  // namespace
@@ -296,7 +311,10 @@ void report_sensor(const Signals& s, const EngineResult& engine, Sensor sensor,
   } else if (drifting && !switched && !search.has_unknown() && !contains(given, drift_id(sensor))) {
     findings.push_back(drift_finding(s, search, finished));
     effects.push_back(drift_effect(sensor, finished));
+  } else if (std::none_of(findings.begin(), findings.end(), has_no_model)) {
+    if (auto left = wanders_at_rest(s, search, finished)) findings.push_back(std::move(*left));
   }
+  tell_swings(s, search, finished, answer.diagnosis);
   for (auto& f : findings) answer.diagnosis.findings.push_back(std::move(f));
   for (auto& e : effects) answer.effects.push_back(std::move(e));
   report_remainder(s, search, finished, answer);

@@ -8,7 +8,7 @@
 namespace stillpoint::diag {
 namespace {
 
-constexpr double kFewestRegime_s = 8.0;  // less than this of one regime gives no autoregression of its own
+constexpr double kFewestRegime_s = 3.0, kFewestRegime = 300.0;  // fewer rows give no autoregression of their own
 constexpr double kLeastCounted = 0.5;  // of the valid samples; a filter that leaves fewer between the holes is too long
 
 /// Levinson-Durbin on autocorrelations of lag 0..order. Returns the prediction coefficients.
@@ -79,7 +79,7 @@ Layout make_layout(const Signals& s, Sensor sensor) {
     if (s.muted[sensor][static_cast<std::size_t>(i)]) layout.present[i] = 0.0;
   Eigen::Index resting = 0;
   for (const char r : s.rest) resting += r;
-  const double fewest = kFewestRegime_s / s.dt_s;
+  const double fewest = std::max(kFewestRegime_s / s.dt_s, kFewestRegime);
   const bool split =
       !s.exact_reference && static_cast<double>(resting) > fewest && static_cast<double>(s.n - resting) > fewest;
   layout.regimes = split ? 2 : 1;

@@ -14,7 +14,9 @@ namespace {
 
 constexpr double kExactJitter_rad = 2e-6;  // a reference quieter than this is arithmetic, not a camera
 constexpr double kSeenOverNoise = 0.05;    // an error of the reference that a sensor of this noise would show
-constexpr double kAboveStamps = 2.0;       // what the noise of stamps leaves between two stencils is less than itself
+constexpr double kKept = 0.6;  // of the rows, for which errors up to the next number times the noise are borne
+constexpr double kBorneOverNoise = 0.3;
+constexpr double kAboveStamps = 2.0;  // what the noise of stamps leaves between two stencils is less than itself
 
 using Turns = Eigen::Matrix<double, Eigen::Dynamic, 4>;
 
@@ -118,7 +120,9 @@ void mute_unresolved(Signals& s, const std::array<Series, 2>& error, const std::
   for (const Sensor k : {kAcc, kGyr}) {
     if (!s.present[k] || error[k].size() == 0) continue;
     const Series near = moving_mean(error[k].cwiseAbs2(), kStencilReach).cwiseSqrt();
-    const double harmless = std::max(kSeenOverNoise * s.noise_sd[k], kAboveStamps * of_stamps[k]);
+    const double borne =
+        std::clamp(quantile(near, kKept), kSeenOverNoise * s.noise_sd[k], kBorneOverNoise * s.noise_sd[k]);
+    const double harmless = std::max(borne, kAboveStamps * of_stamps[k]);
     Eigen::Index count = 0;
     for (Eigen::Index i = 0; i < s.n; ++i)
       if (std::uint8_t& muted = s.muted[k][static_cast<std::size_t>(i)]; near[i] > harmless && !muted)
@@ -154,7 +158,7 @@ Motion motion_of(Signals& s, const Turns& q, const Series3& p) {
   return m;
 }
 
-/// Nothing moves at rest: what the reference shows there is its noise.
+/// Nothing moves at rest: what a noisy reference shows there is its noise. An exact one shows the idling engine.
 void hold_still_at_rest(const Mask& rest, Motion& m) {
   for (Eigen::Index i = 0; i < m.rate.rows(); ++i)
     if (rest[static_cast<std::size_t>(i)]) m.rate.row(i).setZero(), m.acceleration.row(i).setZero();
@@ -187,7 +191,9 @@ void predict(Signals& s, const io::Recording& recording) {
   s.rows = times_of_rows(s.t_s, s.dt_s, given_q, given_p);
   Motion m = motion_of(s, q, p);
   const double own_jitter = s.rows.even() ? jitter_without_rest(q) : 2.0 * roughness(given_q, s.rows);
-  wake_where_reference_moves(s.rest, m.rate, m.velocity, s.dt_s, own_jitter < kExactJitter_rad);
+  const bool quiet_reference = own_jitter < kExactJitter_rad;
+  wake_where_reference_moves(s.rest, m.rate, m.velocity, s.dt_s, quiet_reference);
+  rest_where_reference_is_still(s.rest, s, m.rate, m.velocity, quiet_reference);
   const double jitter = rest_jitter(s, m.rate);
   s.has_rest = jitter >= 0.0;
   s.reference_jitter_rad = s.has_rest ? jitter * s.dt_s : own_jitter;
@@ -199,7 +205,7 @@ void predict(Signals& s, const io::Recording& recording) {
                     {s.has_position ? second_derivative_error(p, s.rows) : Series(),
                      2.0 * derivative_error(q.rightCols<3>(), s.rows)},
                     of_stamps);
-  hold_still_at_rest(s.rest, m);
+  if (!s.exact_reference) hold_still_at_rest(s.rest, m);
   predict_readings(s, q, m);
 }
 

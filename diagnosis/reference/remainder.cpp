@@ -10,6 +10,7 @@ namespace stillpoint::diag {
 namespace {
 
 constexpr double kConfigurationP = 1e-6;
+constexpr double kOffOverVector = 2e-3;  // markers are set to milliradians
 constexpr double kKnown =
     0.01;  // deviation of an entry of a matrix, or of a bias over the vector: the tenth of a data sheet's
 
@@ -51,6 +52,25 @@ bool well_conditioned(const Eigen::MatrixXd& covariance, double scale) {
   return true;
 }
 
+/// How far the readings are off in the mean over the recording, which is known even where its cause is not.
+struct Reads {
+  Vec3 off;
+  double over_deviation = 0.0;  ///< chi-square of three
+};
+
+Reads reads(const Signals& s, Sensor k, const Layout& layout, const Fit& fit) {
+  Eigen::Vector4d mean(1.0, 0.0, 0.0, 0.0);
+  for (int axis = 0; axis < 3; ++axis)
+    mean[axis + 1] = (s.vector[k].col(axis).array() * layout.counts).sum() / std::max(layout.used(), 1.0);
+  Reads out;
+  for (int axis = 0; axis < 3; ++axis) {
+    out.off[axis] = mean.dot(fit.nuisance.segment<4>(4 * axis));
+    out.over_deviation += out.off[axis] * out.off[axis] /
+                          std::max(mean.dot(fit.nuisance_covariance.block<4, 4>(4 * axis, 4 * axis) * mean), 1e-300);
+  }
+  return out;
+}
+
 void configuration_of(const Signals& s, const SensorSearch& search, const Finished& finished, Answer& answer) {
   Diagnosis& out = answer.diagnosis;
   const std::string sensor = kSensorName[search.sensor];
@@ -59,7 +79,6 @@ void configuration_of(const Signals& s, const SensorSearch& search, const Finish
       out.configuration.push_back({sensor, search.sensor == kMag
                                                ? "field_world_uT is wrong: another constant field fits"
                                                : "the vertical of the reference's world is not that of gravity"});
-  const std::size_t stated = out.configuration.size();
   const bool thermal = std::any_of(search.found.begin(), search.found.end(), [](const Found& f) {
     return f.id.find("_temp_") != std::string::npos || f.id.find("_volt") != std::string::npos ||
            f.id.find("current") != std::string::npos;
@@ -78,23 +97,30 @@ void configuration_of(const Signals& s, const SensorSearch& search, const Finish
   }
   // Smaller than a thousandth is below what the true vector itself is known to.
   const double scale = std::sqrt(s.vector[search.sensor].rowwise().squaredNorm().mean());
-  if (!thermal && chi_square_tail(bias, 3.0) < kConfigurationP && offset.norm() > 2e-4 * scale)
+  const bool bias_off = !thermal && chi_square_tail(bias, 3.0) < kConfigurationP && offset.norm() > 2e-4 * scale;
+  const bool matrix_off = chi_square_tail(matrix, 9.0) < kConfigurationP && map.norm() > 1e-3;
+  if (!well_conditioned(P, scale)) {
+    const Reads r = reads(s, search.sensor, search.target.layout, finished.fit);
+    if (thermal || chi_square_tail(r.over_deviation, 3.0) > kConfigurationP || r.off.norm() < kOffOverVector * scale)
+      return;
+    out.configuration.push_back({sensor, fmt::format("reads ({:.3g}, {:.3g}, {:.3g}) {} too much in the mean", r.off[0],
+                                                     r.off[1], r.off[2], kSensorUnit[search.sensor])});
+    out.notices.push_back(sensor +
+                          ": this motion does not tell a wrong bias from a wrong matrix; turn it through more "
+                          "attitudes");
+    return;
+  }
+  if (bias_off)
     out.configuration.push_back({sensor, fmt::format("bias wrong by ({:.3g}, {:.3g}, {:.3g}) {}", offset[0], offset[1],
                                                      offset[2], kSensorUnit[search.sensor])});
-  if (chi_square_tail(matrix, 9.0) < kConfigurationP && map.norm() > 1e-3)
+  if (matrix_off)
     out.configuration.push_back(
         {sensor, fmt::format("matrix wrong by {:.2g} % (largest entry): reads (1 + D) times the truth, D in % = "
                              "[[{:.2f}, {:.2f}, {:.2f}], [{:.2f}, {:.2f}, {:.2f}], [{:.2f}, {:.2f}, {:.2f}]]",
                              100.0 * map.cwiseAbs().maxCoeff(), 100 * map(0, 0), 100 * map(0, 1), 100 * map(0, 2),
                              100 * map(1, 0), 100 * map(1, 1), 100 * map(1, 2), 100 * map(2, 0), 100 * map(2, 1),
                              100 * map(2, 2))});
-  if (out.configuration.size() == stated || thermal) return;
-  if (!well_conditioned(P, scale)) {
-    out.notices.push_back(sensor +
-                          ": bias and matrix cannot be told apart by this motion, their sizes are not to be used; "
-                          "turn it through more attitudes");
-    return;
-  }
+  if ((!bias_off && !matrix_off) || thermal) return;
   answer.numbers[search.sensor] = set_right(s, search.sensor, offset, map);
   out.configuration.back().values = values_of(*answer.numbers[search.sensor], P, search.sensor);
 }

@@ -20,30 +20,55 @@ Series local_deviation(const Series3& x, Eigen::Index half) {
   return (variance / 3.0).cwiseSqrt();
 }
 
-}  // namespace
+using Rows = Eigen::Array<bool, Eigen::Dynamic, 1>;
 
-Mask find_rest(const Signals& s) {
-  const auto half = static_cast<Eigen::Index>(0.5 * kRestWindow_s / s.dt_s);
-  Eigen::Array<bool, Eigen::Dynamic, 1> quiet = Eigen::Array<bool, Eigen::Dynamic, 1>::Constant(s.n, true);
-  bool any = false;
-  for (const Sensor sensor : {kAcc, kGyr}) {
-    if (!s.present[sensor]) continue;
-    const Series deviation = local_deviation(s.reading[sensor], half);
-    const double floor = std::max(quantile(deviation, 0.1), 0.7 * s.noise_sd[sensor]);
-    quiet = quiet && deviation.array() < 2.0 * floor;
-    any = true;
-  }
-  if (s.present[kGyr]) quiet = quiet && s.reading[kGyr].rowwise().norm().array() < 0.15;
-  Mask rest(static_cast<std::size_t>(s.n), 0);
-  const auto margin = static_cast<Eigen::Index>(kRestMargin_s / s.dt_s);
+/// As quiet as the sensor ever is, or as its noise lets it be.
+Rows quiet_rows(const Signals& s, Sensor sensor) {
+  const Series deviation = local_deviation(s.reading[sensor], static_cast<Eigen::Index>(0.5 * kRestWindow_s / s.dt_s));
+  const double floor = std::max(quantile(deviation, 0.1), 0.7 * s.noise_sd[sensor]);
+  return deviation.array() < 2.0 * floor;
+}
+
+/// Stretches of `still` without their edges, added to `rest`.
+void add_rests(const Rows& still, Eigen::Index margin, Mask& rest) {
   Eigen::Index begin = 0;
-  for (Eigen::Index i = 0; any && i <= s.n; ++i) {
-    if (i < s.n && quiet[i]) continue;
-    for (Eigen::Index k = begin == 0 ? 0 : begin + margin; k < (i == s.n ? i : i - margin); ++k)
+  for (Eigen::Index i = 0; i <= still.size(); ++i) {
+    if (i < still.size() && still[i]) continue;
+    for (Eigen::Index k = begin == 0 ? 0 : begin + margin; k < (i == still.size() ? i : i - margin); ++k)
       rest[static_cast<std::size_t>(k)] = 1;
     begin = i + 1;
   }
+}
+
+/// Squared length of a vector's mean over windows: what a camera's noise leaves of it is little.
+Series steady_square(const Series3& x, Eigen::Index half) {
+  Series out = Series::Zero(x.rows());
+  for (int axis = 0; axis < 3; ++axis) out += moving_mean(x.col(axis), half).cwiseAbs2();
+  return out;
+}
+
+}  // namespace
+
+Mask find_rest(const Signals& s) {
+  Mask rest(static_cast<std::size_t>(s.n), 0);
+  if (!s.present[kAcc] && !s.present[kGyr]) return rest;
+  Rows quiet = Rows::Constant(s.n, true);
+  for (const Sensor sensor : {kAcc, kGyr})
+    if (s.present[sensor]) quiet = quiet && quiet_rows(s, sensor);
+  if (s.present[kGyr]) quiet = quiet && s.reading[kGyr].rowwise().norm().array() < 0.15;
+  add_rests(quiet, static_cast<Eigen::Index>(kRestMargin_s / s.dt_s), rest);
   return rest;
+}
+
+void rest_where_reference_is_still(Mask& rest, const Signals& s, const Series3& rate_radps, const Series3& velocity_mps,
+                                   bool exact) {
+  constexpr double kWindow_s = 2.0;
+  const double still_radps = exact ? 1e-3 : 3e-3, still_mps = exact ? 1e-3 : 3e-3;
+  if (!s.present[kAcc] || velocity_mps.rows() != s.n) return;
+  const auto half = static_cast<Eigen::Index>(0.5 * kWindow_s / s.dt_s);
+  const Rows still = quiet_rows(s, kAcc) && steady_square(rate_radps, half).array() < still_radps * still_radps &&
+                     steady_square(velocity_mps, half).array() < still_mps * still_mps;
+  add_rests(still, half, rest);
 }
 
 void wake_where_reference_moves(Mask& rest, const Series3& rate_radps, const Series3& velocity_mps, double dt_s,
@@ -51,11 +76,8 @@ void wake_where_reference_moves(Mask& rest, const Series3& rate_radps, const Ser
   const Eigen::Index n = rate_radps.rows();
   const double still_radps = exact ? 5e-3 : 3e-2, still_mps = exact ? 5e-3 : 2e-2;  // a camera has noise
   const auto half = static_cast<Eigen::Index>(0.5 * kRestWindow_s / dt_s);
-  Series turning = Series::Zero(n), going = Series::Zero(n);
-  for (int axis = 0; axis < 3; ++axis) {
-    turning += moving_mean(rate_radps.col(axis), half).cwiseAbs2();
-    if (velocity_mps.rows() == n) going += moving_mean(velocity_mps.col(axis), half).cwiseAbs2();
-  }
+  const Series turning = steady_square(rate_radps, half);
+  const Series going = velocity_mps.rows() == n ? steady_square(velocity_mps, half) : Series::Zero(n);
   const auto typical = [](const Series& x, Eigen::Index begin, Eigen::Index end) {
     return std::sqrt(quantile(x.segment(begin, end - begin), 0.5));
   };

@@ -17,6 +17,7 @@ namespace stillpoint::diag {
 namespace {
 
 constexpr double kShortest_s = 20.0;
+constexpr Eigen::Index kLeastRows = 500;  // of a sensor, to say anything of it
 constexpr double kMostSamples = 16000.0;  // more are thinned by whole factors, down to the step below
 constexpr double kFastEnough_s = 0.0201;  // nothing that bodies do needs more than 50 Hz
 
@@ -30,7 +31,7 @@ void compare_noise(const Signals& s, Answer& answer) {
       for (Eigen::Index i = 1; i < s.n; ++i) {
         const auto at = static_cast<std::size_t>(i);
         if (!s.rest[at] || !s.rest[at - 1] || s.muted[k][at] || s.muted[k][at - 1]) continue;
-        const double d = s.reading[k](i, axis) - s.reading[k](i - 1, axis);
+        const double d = s.residual[k](i, axis) - s.residual[k](i - 1, axis);
         sum += 0.5 * d * d;
         ++count;
       }
@@ -50,13 +51,22 @@ std::array<Mask, kSensors> masks(const Forensics& forensics) {
   return out;
 }
 
-/// A sensor whose steps are coarser than its noise shows its lattice at rest, not its physics.
+/// A sensor whose noise does not carry it over its steps shows its lattice at rest, not its physics: the mean of what
+/// noise of 0.4 steps dithers is right to 0.02 steps, of half of that to 0.15 (Widrow & Kollár, Quantization Noise).
 void mute_lattice_at_rest(Signals& s, const Forensics& forensics) {
+  constexpr double kDither = 0.4;
   for (std::size_t k = 0; k < kSensors; ++k) {
     if (!s.present[k] || !forensics.sensor[k].quantised) continue;
-    if (forensics.sensor[k].lattice_step.maxCoeff() < s.noise_sd[k]) continue;
+    const double step = forensics.sensor[k].lattice_step.maxCoeff();
+    if (s.noise_sd[k] > kDither * step) continue;
     for (std::size_t i = 0; i < s.rest.size(); ++i)
       if (s.rest[i]) s.muted[k][i] = 1;
+    s.present[k] = std::count(s.muted[k].begin(), s.muted[k].end(), 0) >= std::min(kLeastRows, s.n / 4);
+    if (!s.present[k])
+      s.notices.push_back(
+          fmt::format("{}: at rest its steps of {:.3g} {} hide all that is smaller; nothing else of it "
+                      "is tested. Record motion, or with a smaller range",
+                      kSensorName[k], step, kSensorUnit[k]));
   }
 }
 
@@ -80,23 +90,26 @@ bool shows_in_raw_values(const std::string& id) {
 }
 
 Verdict verdict_of(const Diagnosis& d) {
-  std::size_t unknown = 0;
-  for (const Finding& f : d.findings) unknown += f.effect.rfind("unknown", 0) == 0 ? 1 : 0;
-  if (d.findings.empty() && !d.surplus.empty()) return Verdict::kSurplusPhysics;
-  if (d.findings.empty())
-    return d.configuration.empty() && d.noise.empty() ? Verdict::kNoMismatch : Verdict::kWrongNumbers;
-  if (unknown == 0) return Verdict::kExplained;
-  return unknown == d.findings.size() ? Verdict::kUnexplained : Verdict::kPartlyExplained;
+  const auto named = [](const Finding& f) { return !f.effect.starts_with("unknown"); };
+  const auto lattice = [](const Finding& f) { return f.effect.ends_with("_quant"); };
+  const auto names = std::count_if(d.findings.begin(), d.findings.end(), named);
+  const auto unknown = std::ssize(d.findings) - names + std::ssize(d.unaccounted);
+  if (unknown > 0)
+    return std::all_of(d.findings.begin(), d.findings.end(), [&](const Finding& f) { return !named(f) || lattice(f); })
+               ? Verdict::kUnexplained
+               : Verdict::kPartlyExplained;
+  if (names > 0) return Verdict::kExplained;
+  if (!d.surplus.empty()) return Verdict::kSurplusPhysics;
+  return d.configuration.empty() && d.noise.empty() ? Verdict::kNoMismatch : Verdict::kWrongNumbers;
 }
 
 /// Sensors with too few rows beside a whole reference are left out; false when none is left.
 bool enough_to_compare(Signals& s) {
-  constexpr Eigen::Index kLeast = 500;
   bool any = false;
   for (std::size_t k = 0; k < kSensors; ++k) {
     if (!s.present[k]) continue;
     const auto rows = std::count(s.muted[k].begin(), s.muted[k].end(), 0);
-    s.present[k] = rows >= std::min(kLeast, s.n / 4);
+    s.present[k] = rows >= std::min(kLeastRows, s.n / 4);
     any = any || s.present[k];
     if (!s.present[k])
       s.notices.push_back(fmt::format(
