@@ -70,6 +70,19 @@ LineFit fit_lattice(const std::vector<double>& u, double step, double printed) {
   return fit;
 }
 
+/// A still sensor of coarse steps reads a handful of numbers again and again, three of them often: no continuous law
+/// does, and neither does a stuck value with spikes.
+bool few_levels(std::span<const double> values, const std::vector<double>& u) {
+  constexpr std::size_t kMost = 12, kOften = 20, kLeastOften = 3;
+  if (u.size() < kLeastOften || u.size() > kMost) return false;
+  const double apart = 0.25 * (u.back() - u.front()) / static_cast<double>(u.size() - 1);
+  const auto often = std::count_if(u.begin(), u.end(), [&](double level) {
+    const auto near = [&](double v) { return std::abs(v - level) < apart; };
+    return std::count_if(values.begin(), values.end(), near) >= static_cast<std::ptrdiff_t>(kOften);
+  });
+  return often >= static_cast<std::ptrdiff_t>(kLeastOften);
+}
+
 bool power_of_ten(double x) {
   const double exponent = std::log10(x);
   return std::abs(exponent - std::round(exponent)) < 1e-6;
@@ -98,7 +111,8 @@ double printing_step(std::span<const double> values) {
 
 Lattice find_lattice(std::span<const double> values, double printed_step) {
   const auto u = distinct_values(values, 0.5 * printed_step);
-  if (u.size() < 4) return {};
+  const bool few = few_levels(values, u);
+  if (u.size() < 4 && !few) return {};
   std::vector<double> differences(u.size() - 1);
   for (std::size_t i = 0; i + 1 < u.size(); ++i) differences[i] = u[i + 1] - u[i];
   std::sort(differences.begin(), differences.end());
@@ -110,7 +124,7 @@ Lattice find_lattice(std::span<const double> values, double printed_step) {
     const LineFit fit = fit_lattice(u, sharpen(differences, guess, printed_step), printed_step);
     if (fit.inliers == 0) continue;
     const double chance = std::min(1.0, 1.5 * printed_step / fit.step + 2e-3);
-    const bool evident = -static_cast<double>(u.size()) * std::log(chance) > kLeastEvidence_nats;
+    const bool evident = few || -static_cast<double>(u.size()) * std::log(chance) > kLeastEvidence_nats;
     if (!evident || static_cast<double>(fit.inliers) < kLeastShare * static_cast<double>(u.size())) continue;
     Lattice found{.step = fit.step, .step_sd = fit.step_sd, .origin = fit.origin};
     for (const double unit : kUnits) found.decimal = found.decimal || power_of_ten(fit.step / unit);

@@ -165,13 +165,15 @@ std::optional<DeadZone> find_dead_zone(std::span<const Axis> axes) {
     for (std::size_t i = zone.first; i <= zone.last; ++i)
       if (a.y[i] != 0.0 && std::isfinite(a.y[i])) smallest = std::min(smallest, std::abs(a.y[i]));
   }
-  std::size_t just_beyond = 0;
+  std::size_t just_beyond = 0, off_lattice = 0;
   for (const Axis& a : axes)
     for (std::size_t i = zone.first; i <= zone.last; ++i) {
-      const double size = std::abs(a.y[i]);
-      just_beyond += size >= smallest && size < 2.0 * smallest;
+      const double size = std::abs(a.y[i]) / smallest;
+      just_beyond += size >= 1.0 && size < 2.0;
+      off_lattice += size > 1.02 && size < 1.98;
     }
-  if (just_beyond == 0 || smallest < 2.5 * grain) return std::nullopt;
+  // The zero of a coarse lattice has empty gaps around it too, as wide as all the others.
+  if (just_beyond == 0 || off_lattice < just_beyond / 4 || smallest < 2.5 * grain) return std::nullopt;
   // Beyond the zone the readings have some density; the first of them lies an exponential distance outside.
   const double spacing = smallest / static_cast<double>(just_beyond);
   zone.width = std::max(smallest - 0.69 * spacing, 0.0);

@@ -111,12 +111,15 @@ Finding describe(const SelfConsistency& model, const Candidate& c, const std::ve
   f.driver = c.law->driver;
   const auto& r = model.recording();
   f.interval_s = {r.t_s(0), r.t_s(r.size() - 1)};
-  fill_parameters(c, f);
+  const auto columns = c.law->columns(c.grid_value);
+  Candidate told = c;
+  const Eigen::VectorXd left = c.applied.size() > 0 ? (c.fit.value - c.applied).eval() : c.fit.value;
+  told.fit.sd = c.fit.sd.cwiseMax(model.sd_between_stretches(columns, left));
+  fill_parameters(told, f);
   f.regime = c.law->sensor == kGyr
                  ? "seen in the rate at rest and in how the integrated attitude turns field and gravity"
                  : "seen in the field against the attitude integrated from the gyro";
   fill_rivals(c, ranking, f);
-  const auto columns = c.law->columns(c.grid_value);
   const auto held_out = model.held_out(columns, c.applied);
   f.held_out.gain_nats = held_out.nats, f.held_out.blocks_better = held_out.blocks_better,
   f.held_out.blocks = held_out.blocks;

@@ -49,10 +49,14 @@ class SelfConsistency {
   SelfConsistency(const io::Recording& recording, const sim::SimulationConfig& simulation, const Forensics& raw,
                   std::vector<RestWindow> rest);
 
-  /// Settles the nuisances (three to eight Gauss-Newton steps). Call once, before fit().
+  /// Settles the nuisances (three to eight damped Gauss-Newton steps). Call once, before fit().
   void settle();
   /// `applied` is what of the law replace() has already taken out; the fit is of the whole.
   [[nodiscard]] LawFit fit(const std::vector<LawColumn>& law, const Eigen::VectorXd& applied = {}) const;
+  /// Deviations of a law's values by what stretches of motion say against each other, which a bent attitude or a driver
+  /// known in part makes more than noise. `left`: the fitted values less what replace() has taken out already.
+  [[nodiscard]] Eigen::VectorXd sd_between_stretches(const std::vector<LawColumn>& law,
+                                                     const Eigen::VectorXd& left) const;
   /// Fits the law on every other block of 10 s and scores it on the rest, both ways round; the nuisances, which the
   /// blocks do not share, are fitted wherever they are needed.
   [[nodiscard]] HeldOutGain held_out(const std::vector<LawColumn>& law, const Eigen::VectorXd& applied) const;
@@ -107,9 +111,12 @@ class SelfConsistency {
   void predict();
   void find_noise();
   void expect_closure();
+  void descend(const Eigen::VectorXd& step, double misfit_nats);
   [[nodiscard]] Eigen::MatrixXd columns(const std::vector<LawColumn>& law) const;  ///< not yet whitened
   [[nodiscard]] Eigen::MatrixXd whitened(const std::vector<LawColumn>& law) const;
   [[nodiscard]] Eigen::MatrixXd nuisance_columns() const;  ///< not yet whitened
+  [[nodiscard]] Eigen::MatrixXd scores_of_stretches(const Eigen::MatrixXd& rows) const;
+  [[nodiscard]] std::size_t row_of(long i) const;
   void add_nuisances(const Eigen::MatrixXd& whitened_columns);
   [[nodiscard]] Eigen::VectorXd residual() const;
   void attitude_column(const std::vector<Vec3>& eps_world, Eigen::Ref<Eigen::VectorXd> out) const;

@@ -30,6 +30,7 @@ constexpr double kDriftOverLaw = 1.15;  // a free offset per rest must beat a la
 constexpr double kLeastShare = 0.5;     // a law that removes less of what is not noise is not the cause
 constexpr double kDispersion = 1.5;     // mean square of whitened residuals above which something is left unexplained
 constexpr std::size_t kMostTried = 6;
+constexpr double kHopeless = 2.0;     // times the misfit that another law leaves
 constexpr double kForceMisfit = 1.6;  // whitened rms of the accelerometer's rests above this is more than noise
 
 void conclude(const SelfConsistency& model, const Forensics& raw, Diagnosis& d) {
@@ -133,12 +134,12 @@ struct Trial {
 };
 
 Trial taken_out(const SelfConsistency& model, const sim::SimulationConfig& simulation,
-                const std::vector<std::string>& without, const Candidate& candidate) {
+                const std::vector<std::string>& without, const Candidate& candidate, double hopeless_nats) {
   Trial t{std::make_unique<SelfConsistency>(model), {}, candidate};
   t.laws = open_laws(*t.model, simulation, without);
   t.candidate.law = &*std::find_if(t.laws.begin(), t.laws.end(),
                                    [&](const WitnessedLaw& law) { return law.id == candidate.law->id; });
-  detail::relinearise(*t.model, t.candidate);
+  detail::relinearise(*t.model, t.candidate, hopeless_nats);
   const double charges = candidate.fit.gain_nats - candidate.score;
   t.candidate.score =
       detail::plausible(t.candidate) ? model.misfit_nats() - t.model->misfit_nats() - charges : -HUGE_VAL;
@@ -154,7 +155,8 @@ Trial best_of(const SelfConsistency& model, const sim::SimulationConfig& simulat
   for (std::size_t i = 0; i < std::min(bent ? kMostTried : 1, ranking.size()); ++i) {
     Candidate& c = ranking[i];
     if (c.score < detail::kAbstain_nats) break;
-    Trial t = taken_out(model, simulation, without, c);
+    const double hopeless = best.model ? kHopeless * best.model->misfit_nats() : HUGE_VAL;
+    Trial t = taken_out(model, simulation, without, c, hopeless);
     if (bent)
       c.score = t.candidate.score;
     else

@@ -101,8 +101,9 @@ std::vector<Candidate> rank(const SelfConsistency& model, const std::vector<Witn
   return all;
 }
 
-void relinearise(SelfConsistency& model, Candidate& c) {
+void relinearise(SelfConsistency& model, Candidate& c, double hopeless_nats) {
   constexpr int kMostPasses = 8;  // each time all of it anew: the driver (corrected force or rate) moves too
+  constexpr int kFairTrial = 2;   // passes; by then what bends the attitude back has done most of it
   constexpr double kLeastStep = 1.0 / 16.0;
   std::vector<LawColumn> taken;
   c.applied = Eigen::VectorXd::Zero(c.fit.value.size());
@@ -120,6 +121,7 @@ void relinearise(SelfConsistency& model, Candidate& c) {
     }
     c.fit = model.fit(c.law->columns(c.grid_value), c.applied);
     if ((c.fit.value - c.applied).cwiseAbs().cwiseQuotient(c.fit.sd).maxCoeff() < 0.1) break;
+    if (pass + 1 >= kFairTrial && model.misfit_nats() > hopeless_nats) break;
   }
 }
 

@@ -12,6 +12,13 @@ constexpr double kBlock_s =
 constexpr int kLeastSteps = 3, kMostSteps = 8;
 constexpr double kSettled_nats = 0.1;  // a step worth less changes no verdict
 
+/// Of all columns with each other: the lower half, which is all that a Cholesky factorisation reads.
+Eigen::MatrixXd products(const Eigen::MatrixXd& columns) {
+  Eigen::MatrixXd out = Eigen::MatrixXd::Zero(columns.cols(), columns.cols());
+  out.selfadjointView<Eigen::Lower>().rankUpdate(columns.transpose());
+  return out;
+}
+
 }  // namespace
 
 void SelfConsistency::settle() {
@@ -28,7 +35,7 @@ void SelfConsistency::settle() {
     Eigen::MatrixXd r = residual();
     whiten(r);
     y_ = r;
-    Eigen::MatrixXd gram = N_.transpose() * N_;
+    Eigen::MatrixXd gram = products(N_);
     gram.diagonal() += information;
     gram_.compute(gram);
     const Eigen::VectorXd gradient = N_.transpose() * y_ - information.cwiseProduct(x_);
@@ -37,9 +44,24 @@ void SelfConsistency::settle() {
       y_ -= N_ * step;  // what this step would still change is taken in the linear model
       break;
     }
-    x_ += step;
+    descend(step, 0.5 * (y_.squaredNorm() + x_.cwiseProduct(information).dot(x_)));
   }
   for (const auto& law : accepted_) add_nuisances(whitened(law));
+}
+
+/// Whole steps where they help, halved where a wrong matrix has turned the attitude so far that they lead away.
+void SelfConsistency::descend(const Eigen::VectorXd& step, double misfit_nats) {
+  constexpr int kHalvings = 6;
+  const Eigen::VectorXd from = x_, information = prior_sd_.cwiseAbs2().cwiseInverse();
+  double share = 1.0;
+  for (int k = 0; k < kHalvings; ++k, share *= 0.5) {
+    x_ = from + share * step;
+    integrate();
+    predict();
+    Eigen::MatrixXd r = residual();
+    whiten(r);
+    if (0.5 * (r.squaredNorm() + x_.cwiseProduct(information).dot(x_)) < misfit_nats) return;
+  }
 }
 
 LawFit SelfConsistency::fit(const std::vector<LawColumn>& law, const Eigen::VectorXd& applied) const {
@@ -63,6 +85,35 @@ LawFit SelfConsistency::fit(const std::vector<LawColumn>& law, const Eigen::Vect
   return fit;
 }
 
+Eigen::VectorXd SelfConsistency::sd_between_stretches(const std::vector<LawColumn>& law,
+                                                      const Eigen::VectorXd& left) const {
+  Eigen::MatrixXd C = whitened(law);
+  C -= N_ * gram_.solve(N_.transpose() * C);
+  const Eigen::VectorXd after = y_ - C * left;
+  const Eigen::MatrixXd scores = scores_of_stretches(C.array().colwise() * after.array());
+  return Eigen::LDLT<Eigen::MatrixXd>(C.transpose() * C).solve(scores.transpose()).rowwise().norm();
+}
+
+/// Sums of the rows over stretches of the recording, one a row, widened for their being few (Cameron, Gelbach and
+/// Miller, Review of Economics and Statistics 90, 2008).
+Eigen::MatrixXd SelfConsistency::scores_of_stretches(const Eigen::MatrixXd& rows) const {
+  constexpr double kStretch_s = 5.0;
+  const double length_s = recording_.t_s(recording_.size() - 1) - recording_.t_s(0);
+  const auto blocks = static_cast<long>(length_s / kStretch_s) + 1;
+  Eigen::MatrixXd out = Eigen::MatrixXd::Zero(blocks, rows.cols());
+  for (long i = 0; i < rows.rows(); ++i)
+    out.row(static_cast<long>((recording_.t_s(row_of(i)) - recording_.t_s(0)) / kStretch_s)) += rows.row(i);
+  const double n = static_cast<double>(blocks), student = 1.0 + 2.4 / std::max(n - 1.0, 1.0);  // of 95 %
+  return out * (student * std::sqrt(n / std::max(n - 1.0, 1.0)));
+}
+
+/// The row of the recording behind a row of the model.
+std::size_t SelfConsistency::row_of(long i) const {
+  const auto nm = static_cast<long>(mag_rows_.size()), nc = static_cast<long>(cells_.size());
+  return i < 3 * nm ? mag_rows_[static_cast<std::size_t>(i % nm)]
+                    : cells_[static_cast<std::size_t>((i - 3 * nm) % nc)].first;
+}
+
 void SelfConsistency::take_out(const std::vector<LawColumn>& law, const Eigen::VectorXd& value) {
   for (std::size_t j = 0; j < law.size(); ++j) {
     auto& taken = applied_[law[j].sensor];
@@ -81,14 +132,11 @@ void SelfConsistency::replace(const std::vector<LawColumn>& before, const Eigen:
 HeldOutGain SelfConsistency::held_out(const std::vector<LawColumn>& law, const Eigen::VectorXd& applied) const {
   const Eigen::MatrixXd C = whitened(law);
   const Eigen::VectorXd y = applied.size() > 0 ? (y_ + C * applied).eval() : y_;
-  const auto nm = static_cast<long>(mag_rows_.size()), nc = static_cast<long>(cells_.size());
   std::array<std::vector<long>, 2> rows;
   std::vector<std::size_t> block(static_cast<std::size_t>(y.size()));
   std::size_t blocks = 0;
   for (long i = 0; i < y.size(); ++i) {
-    const std::size_t row = i < 3 * nm ? mag_rows_[static_cast<std::size_t>(i % nm)]
-                                       : cells_[static_cast<std::size_t>((i - 3 * nm) % nc)].first;
-    const auto b = static_cast<std::size_t>((recording_.t_s(row) - recording_.t_s(0)) / kBlock_s);
+    const auto b = static_cast<std::size_t>((recording_.t_s(row_of(i)) - recording_.t_s(0)) / kBlock_s);
     block[static_cast<std::size_t>(i)] = b;
     rows[b % 2].push_back(i);
     blocks = std::max(blocks, b + 1);
@@ -99,7 +147,7 @@ HeldOutGain SelfConsistency::held_out(const std::vector<LawColumn>& law, const E
   for (std::size_t f = 0; f < 2; ++f) {
     n[f] = N_(rows[f], Eigen::all), c[f] = C(rows[f], Eigen::all);
     const Eigen::VectorXd yf = y(rows[f]);
-    Eigen::MatrixXd gram = n[f].transpose() * n[f];
+    Eigen::MatrixXd gram = products(n[f]);
     gram.diagonal() += prior_sd_.cwiseAbs2().cwiseInverse();
     const Eigen::LDLT<Eigen::MatrixXd> solver(gram);
     imitated[f] = c[f] - n[f] * solver.solve(n[f].transpose() * c[f]);
@@ -134,7 +182,7 @@ void SelfConsistency::add_nuisances(const Eigen::MatrixXd& C) {
   Eigen::VectorXd prior(N_.cols());
   prior << prior_sd_, C.colwise().norm().transpose().cwiseInverse() * 1e4;  // next to free
   prior_sd_ = prior;
-  Eigen::MatrixXd gram = N_.transpose() * N_;
+  Eigen::MatrixXd gram = products(N_);
   gram.diagonal() += prior_sd_.cwiseAbs2().cwiseInverse();
   gram_.compute(gram);
 }
