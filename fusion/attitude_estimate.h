@@ -23,6 +23,7 @@ struct AttitudeEstimate {
   Array3 gyro_bias_radps{};         ///< residual bias that remains after the calibration
   Array3 gyro_bias_sd_radps{};
   bool at_rest = false;
+  bool gyro_offset_jumped = false;  ///< within the last 10 s a rest has shown another offset than the one known
   HeadingReference heading = HeadingReference::kRelative;
   AttitudeStatus status = AttitudeStatus::kInitializing;  ///< never kStale: that is for the clock to say
   bool refused = false;  ///< not used at all: its time did not advance or none of its parts was usable

@@ -18,6 +18,7 @@ constexpr double kLargestForce_mps2 = 2e3;
 constexpr double kLargestField_uT = 1e5;
 constexpr double kBlow_s = 0.1;            ///< how long a clipped peak lasts
 constexpr double kStuck_s = 1.0;           ///< noise changes a living reading long before
+constexpr double kJumpTold_s = 10.0;       ///< long enough for whoever looks every few seconds
 constexpr double kMagneticMemory_s = 2.0;  ///< a heading trusted this long ago still counts as magnetic
 constexpr double kNoMagnetometer_s = 1.0;  ///< after this long without a reading there is none
 
@@ -77,6 +78,7 @@ AttitudeEstimate AttitudeFilter::step(const CalibratedSample& sample, bool at_re
   judge(sample, acc, gyr, dt_s);
   if (pause) {
     bridge(sample, gyr, acc, dt_s);
+    s_.since_pause_s = 0.0;
     if (!s_.regained) s_.status = AttitudeStatus::kDegraded;
   } else {
     turn(sample, gyr, dt_s);
@@ -198,7 +200,12 @@ void AttitudeFilter::covariance_step() noexcept {
   s_.error.propagate(s_.sums.motion, noise);
   s_.x.disturbance_rad *= std::exp(-time_s / params_.heading_disturbance_time_s);
   measure_motion(time_s);
-  if (!s_.sums.moved) measure_rest(time_s);
+  s_.since_rest_s += time_s;
+  s_.since_jump_s += time_s;
+  if (s_.sums.moved)
+    s_.denied_rest = {};
+  else
+    measure_rest(time_s);
   if (s_.sums.moved) s_.unmagnetic_s += time_s;  // at rest nothing turns, so the last heading serves
   if (s_.sums.fields > 0) measure_field(time_s);
   s_.rate_bridge.observe(vec(s_.sums.rate_radps_s) / time_s, time_s);
@@ -246,6 +253,7 @@ AttitudeEstimate AttitudeFilter::estimate(std::int64_t t_ns) const noexcept {
     }
     out.rate_body_radps = s_.rate_radps;
     out.gyro_bias_radps = s_.x.gyr_bias_radps;
+    out.gyro_offset_jumped = s_.since_jump_s < kJumpTold_s;
   }
   out.covariance_world_rad2 = stillpoint::array(cov);
   const Vec3 ahead = direction_of_heading(quat(out.q_world_body));

@@ -11,6 +11,7 @@
 #include "core/fields.h"
 #include "core/types.h"
 #include "fusion/attitude_estimate.h"
+#include "fusion/denied_rest.h"
 #include "fusion/error_state.h"
 #include "fusion/field_reference.h"
 #include "fusion/hard_iron.h"
@@ -58,7 +59,8 @@ struct AttitudeFilterParams {
         field("gyr_noise_radps_rtHz", &P::gyr_noise_radps_rtHz, in_range(1e-7, 1.0),
               "white noise density of the gyroscope (angle random walk); the data sheet or an Allan plot has it"),
         field("gyr_rate_noise_rtHz", &P::gyr_rate_noise_rtHz, in_range(0.0, 0.1),
-              "the same per rad/s of rate: what jitter, bandwidth and nonlinearity leave; 1e-3 is a consumer part"),
+              "the same per rad/s of rate: what jitter, bandwidth and nonlinearity leave; 1e-3 to 3e-3 are consumer "
+              "parts"),
         field("gyr_bias_sd_radps", &P::gyr_bias_sd_radps, in_range(0.0, 1.0),
               "bias that the calibration may have left at the start"),
         field("gyr_bias_walk_radps_rtHz", &P::gyr_bias_walk_radps_rtHz, in_range(0.0, 0.1),
@@ -166,6 +168,7 @@ class AttitudeFilter {
     IronFinder iron_finder;
     MotionScale motion_scale;
     RateBridge rate_bridge;
+    DeniedRest denied_rest;
     Sums sums;
     std::int64_t t_ns = 0;
     Array9 R_world_body{1, 0, 0, 0, 1, 0, 0, 0, 1};  ///< of x.q_world_body
@@ -183,6 +186,9 @@ class AttitudeFilter {
     double unmagnetic_s = 1e9;    ///< time since the last trusted one
     double rest_doubt_s = 0.0;    ///< for this long the rest detector is not believed
     double rest_denied_s = 0.0;   ///< for this long the gyroscope has denied it
+    double since_pause_s = 0.0;
+    double since_jump_s = 1e9;    ///< of the gyroscope's offset
+    double since_rest_s = 0.0;    ///< since one that the gyroscope agreed to
     double lean_s = 0.0;          ///< for this long gravity at rest has denied the tilt
     double heading_stress = 0.0;  ///< signed mean square of the normalised heading innovation
     double age_s = 0.0;

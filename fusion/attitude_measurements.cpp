@@ -10,6 +10,8 @@ namespace stillpoint::fusion {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
+constexpr double kLeanTime_s = 3.0;     ///< within which an offset has made a lean that motion shows
+constexpr double kPauseTells_s = 10.0;  ///< a lean within it is what the pause left
 constexpr double kRestSurprise = 16.0;  ///< of a chi-square of three: one in a thousand at true rest
 constexpr double kRestDoubt_s = 1.0;    ///< the rest detector has seen the motion by then
 constexpr double kRestInsists_s = 3.0;  ///< the detector's own windows are shorter
@@ -29,6 +31,13 @@ void AttitudeFilter::measure_motion(double time_s) noexcept {
                                0.5 * (P(kTheta, kTheta) + P(kTheta + 1, kTheta + 1))};
   const double leaning_rad2 = s_.motion_scale.observe(seen, {params_.motion_speed_mps, params_.motion_time_s}, time_s);
   for (int i = 0; i < 2; ++i) s_.error.add_variance(kTheta + i, leaning_rad2);
+  s_.since_pause_s += time_s;
+  if (leaning_rad2 > 0.0 &&
+      s_.since_pause_s > kPauseTells_s) {  // (A20) an offset may have turned it; one about the vertical leans nothing
+    const Vec3 up = mat(s_.R_world_body).row(2);
+    s_.error.P().block<3, 3>(kGyrBias, kGyrBias) +=
+        leaning_rad2 / (kLeanTime_s * kLeanTime_s) * (Mat3::Identity() - up * up.transpose());
+  }
   // (A8) A quantity that wanders about zero with deviation s and correlation time t has the power density 2 s^2 t.
   const double per_time = 2.0 * params_.motion_time_s / time_s;
   const double speed2 = params_.motion_speed_mps * params_.motion_speed_mps * per_time;
@@ -56,10 +65,12 @@ void AttitudeFilter::measure_rest(double time_s) noexcept {
   if (surprise > kRestSurprise) {
     s_.rest_doubt_s = kRestDoubt_s;
     s_.rest_denied_s += time_s;
-    if (s_.rest_denied_s < kRestInsists_s) return;
+    s_.denied_rest.note(vec(s_.sums.motion.force) / time_s, mat(s_.R_world_body) * rate, time_s);
+    if (s_.rest_denied_s < kRestInsists_s && !s_.denied_rest.denies_gyroscope()) return;
     relearn_bias(rate);
   }
-  s_.rest_denied_s = 0.0;
+  s_.rest_denied_s = s_.since_rest_s = 0.0;
+  s_.denied_rest = {};
   s_.rest_doubt_s -= time_s;
   if (s_.rest_doubt_s > 0.0) return;
   doubt_motion(time_s, speed2);
@@ -88,15 +99,16 @@ void AttitudeFilter::doubt_motion(double time_s, double rest_speed2) noexcept {
     s_.error.forget(kTheta + i, s_.error.P()(kTheta + i, kTheta + i) + lean.head<2>().squaredNorm());
 }
 
-/// The detector goes on saying rest, and it sees further back than any motion that has just begun: the offset has
-/// jumped. What the filter thought to know of it is void, and so is the turn that it made of it meanwhile.
+/// Gravity denies the gyroscope, or the detector goes on saying rest, and it sees further back than any motion that has
+/// just begun: the offset has jumped. What the filter thought to know of it is void, and so is the turn that it made of
+/// it since the last rest, when it was still right.
 void AttitudeFilter::relearn_bias(const Vec3& rate_radps) noexcept {
-  const Vec3 turned = mat(s_.R_world_body) * rate_radps * kRestInsists_s;
+  const Vec3 turned = mat(s_.R_world_body) * rate_radps * s_.since_rest_s;
   for (int i = 0; i < 3; ++i) {
     s_.error.forget(kGyrBias + i, params_.gyr_bias_sd_radps * params_.gyr_bias_sd_radps);
     s_.error.add_variance(kTheta + i, turned(i) * turned(i));
   }
-  s_.rest_doubt_s = 0.0;
+  s_.rest_doubt_s = s_.since_jump_s = 0.0;
 }
 
 /// At rest gravity shows the tilt itself: one that the covariance excludes is not known at all.

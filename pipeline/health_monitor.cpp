@@ -31,12 +31,16 @@ constexpr double kWindow_s = 0.6, kEnds_s = 0.1;
 constexpr double kQuiet = 0.15;  ///< of g: at both ends the body accelerates little
 /// Of g^2: by the gyroscope gravity has moved by 0.5 rad, beyond what the acceleration of such ends pretends.
 constexpr double kSmallestTurn2 = 0.3;
+/// On a pendulum, an arm that swings or a turntable, the force stands still in the body while the body turns: that is
+/// no contradiction. A mirrored axis leaves the force a change of a quarter of what it pretends, or more.
+constexpr double kPendulum = 0.2;
+constexpr double kTurnsMemory_s = 30.0, kVerdictMemory_s = 60.0;
 constexpr double kFast_s = 1.0, kSlow_s = 3.0;
 /// In axes that do not turn a mean of 1.35 g over a second needs 3.4 m/s gained upward, and then another second's.
 constexpr double kStrong = 1.35, kStrong_s = 1.0;
 constexpr double kApart = 0.64, kApart_s = 0.3;  ///< cosine: 50 deg, beyond any acceleration of a second
 constexpr double kWeak = 0.15;                   ///< of g: less has no direction
-constexpr double kContradiction_s = 20.0;
+constexpr double kContradiction_s = 40.0;
 constexpr int kWindows = 5;
 constexpr double kForget = 0.9;
 constexpr double kFaultyShare = 0.5;  ///< of the change that the gyroscope leaves unexplained
@@ -119,10 +123,15 @@ void HealthMonitor::follow_gravity(const CalibratedSample& sample, double dt_s) 
   };
   const double g2 = kStandardGravity_mps2 * kStandardGravity_mps2;
   const double predicted = (turned.conjugate() * start - start).squaredNorm();
-  if (t.begun && t.mean_s > 0.0 && quiet(start) && quiet(end) && predicted > kSmallestTurn2 * g2) {
-    t.with = kForget * t.with + (end_in_start - start).squaredNorm();
-    t.without = kForget * t.without + (end - start).squaredNorm();
+  const double with = (end_in_start - start).squaredNorm(), without = (end - start).squaredNorm();
+  t.unseen_s += t.since_s;
+  if (t.unseen_s > (t.windows < kWindows ? kTurnsMemory_s : kVerdictMemory_s)) t.windows = 0;
+  const bool turned_enough = t.begun && t.mean_s > 0.0 && predicted > kSmallestTurn2 * g2;
+  if (turned_enough && quiet(start) && quiet(end) && without > kPendulum * with) {
+    t.with = kForget * t.with + with;
+    t.without = kForget * t.without + without;
     t.windows = std::min(t.windows + 1, kWindows);
+    t.unseen_s = 0.0;
   }
   t.before = array(end);
   t.begun = t.mean_s > 0.0;
@@ -175,7 +184,7 @@ SensorHealth HealthMonitor::judge_acc(const GuardedSample& g) const noexcept {
   return healthy();
 }
 
-SensorHealth HealthMonitor::judge_gyr(const GuardedSample& g) const noexcept {
+SensorHealth HealthMonitor::judge_gyr(const GuardedSample& g, bool offset_jumped) const noexcept {
   if ((g.absent & kGyr) != 0 || !gyr_.heard) return {Health::kAbsent, Fault::kAbsent};
   const bool acc_lives = acc_.heard && acc_.same_s < kStuck_s;
   if (acc_lives && gyr_.zero_s > kStuck_s) return faulty(Fault::kZero, gyr_.zero_s / kStuck_s);
@@ -194,6 +203,7 @@ SensorHealth HealthMonitor::judge_gyr(const GuardedSample& g) const noexcept {
   if (pull_.contradicted_s > 0.0) return faulty(Fault::kInconsistent, 1.0 + pull_.contradicted_s / kContradiction_s);
   if (gyr_.spikes > kSpikes) return suspect(Fault::kSpikes, gyr_.spikes / kSpikes);
   if (gyr_.clipped > kClippedShare) return suspect(Fault::kClipped, gyr_.clipped / kClippedShare);
+  if (offset_jumped) return suspect(Fault::kOffset, 1.0);
   return healthy();
 }
 
@@ -226,7 +236,7 @@ SensorsHealth HealthMonitor::observe(const GuardedSample& guarded, const Calibra
   follow_gravity(corrected, dt_s);
   follow_pull(corrected, estimate.rate_body_radps, dt_s);
   follow(health_.acc, judge_acc(guarded), s.t_ns);
-  follow(health_.gyr, judge_gyr(guarded), s.t_ns);
+  follow(health_.gyr, judge_gyr(guarded, estimate.gyro_offset_jumped), s.t_ns);
   follow(health_.mag, judge_mag(guarded, estimate.heading), s.t_ns);
   follow(health_.temp, temp_heard_ ? healthy() : SensorHealth{Health::kAbsent, Fault::kAbsent}, s.t_ns);
   return health_;

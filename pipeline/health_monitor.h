@@ -51,6 +51,7 @@ class HealthMonitor {
     Array3 before{}, mean{};
     double mean_s = 0.0, since_s = 0.0;
     std::array<double, 4> q{1, 0, 0, 0};  ///< body now to body at the start
+    double unseen_s = 0.0;                ///< since a window that told something
     double with = 0.0, without = 0.0;     ///< squared change of gravity, with and without that turn
     int windows = 0;
     bool begun = false;
@@ -66,7 +67,7 @@ class HealthMonitor {
   void follow_pull(const CalibratedSample& sample, const Array3& rate_radps, double dt_s) noexcept;
   [[nodiscard]] bool bus_hangs() const noexcept { return acc_.hung() && gyr_.hung(); }
   [[nodiscard]] SensorHealth judge_acc(const GuardedSample& g) const noexcept;
-  [[nodiscard]] SensorHealth judge_gyr(const GuardedSample& g) const noexcept;
+  [[nodiscard]] SensorHealth judge_gyr(const GuardedSample& g, bool offset_jumped) const noexcept;
   [[nodiscard]] SensorHealth judge_mag(const GuardedSample& g, HeadingReference heading) const noexcept;
 
   Readings acc_, gyr_, mag_;

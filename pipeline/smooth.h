@@ -1,6 +1,6 @@
 /// The attitude of a whole recording, each moment seen from both sides: what comes after a sample tells of it as well.
 /// A fixed-interval smoother in two-filter form: Fraser and Potter, "The optimum linear smoother as a combination of
-/// two optimum linear filters", IEEE Trans. Automatic Control 14 (1969); docs/math/attitude.md (A20).
+/// two optimum linear filters", IEEE Trans. Automatic Control 14 (1969); docs/math/attitude.md (A22).
 #pragma once
 #include <functional>
 #include <vector>
