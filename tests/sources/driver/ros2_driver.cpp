@@ -1,5 +1,6 @@
 /// A driver as ROS 2 has them, for the tests: `ros2_driver DOMAIN SAMPLES RATE_HZ [KEYS]` publishes imu/data_raw, and
-/// imu/mag at a fifth of the rate. KEYS is its folder for DDS-Security.
+/// imu/mag at a fifth of the rate. KEYS is its folder for DDS-Security. Printed at the end: how many samples it sent
+/// before it had met a subscriber.
 #include <stillpoint_idl/ros2PubSubTypes.h>
 
 #include <cstdio>
@@ -25,7 +26,11 @@ int main(int argc, char** argv) {
   if (!imu_writer) return std::fprintf(stderr, "%s\n", imu_writer.error().message.c_str()), 69;
   if (!mag_writer) return std::fprintf(stderr, "%s\n", mag_writer.error().message.c_str()), 69;
   const std::int64_t start_ns = monotonic_ns();
+  int alone = 0;
   for (int k = 0; k < samples; ++k) {
+    io::dds::PublicationMatchedStatus met;
+    (*imu_writer)->get_publication_matched_status(met);
+    if (met.total_count == 0) ++alone;
     pipeline::sleep_until_ns(start_ns + 1'000'000'000LL * k / rate_hz);
     const std::int64_t stamp_ns = clock_ns(CLOCK_REALTIME);
     std_msgs::msg::Header header;
@@ -42,4 +47,5 @@ int main(int argc, char** argv) {
     mag.magnetic_field().z(-43e-6);
     (*mag_writer)->write(&mag);
   }
+  std::printf("%d\n", alone);
 }
