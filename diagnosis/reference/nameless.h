@@ -1,0 +1,27 @@
+/// Findings that no law explains: what switches, drifts, wanders at rest or swings there.
+#pragma once
+#include <string>
+
+#include "diagnosis/reference/evidence.h"
+#include "diagnosis/result.h"
+#include "simulation/config.h"
+
+namespace stillpoint::diag {
+
+/// The columns that the recording lacks and that could drive what this sensor shows, for a sentence; empty: none.
+[[nodiscard]] std::string missing_drivers(const Signals& s, Sensor k);
+
+/// What is left is no walk, whatever a walk gains.
+[[nodiscard]] Finding remainder_finding(const Signals& s, const SensorSearch& search);
+
+/// Several events of one sensor, told as one: `first` is the strongest.
+[[nodiscard]] Finding switching_finding(Finding first, const Signals& s, const SensorSearch& search);
+
+[[nodiscard]] std::string drift_id(Sensor sensor);
+[[nodiscard]] Finding drift_finding(const Signals& s, const SensorSearch& search, const Finished& finished);
+[[nodiscard]] sim::EffectConfig drift_effect(Sensor sensor, const Finished& finished);
+
+/// What swings at rest is no white noise that the simulation could have: told in words, and taken out of the noise.
+void tell_swings(const Signals& s, const SensorSearch& search, const Finished& finished, Diagnosis& out);
+
+}  // namespace stillpoint::diag
