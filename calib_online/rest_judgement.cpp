@@ -15,6 +15,7 @@ constexpr double kMagDrift_uT = 0.3;                 // the same for the field a
 constexpr double kAccSlope_mps2 = 0.005;             // slow wander of the readings inside a window
 constexpr double kSignificant = 5.0;                 // sd; one test a window, a day has 4e4 of them
 constexpr double kSlowTurn_radps = 0.09;             // 5 deg/s: faster, and the lever arm of the sensor is felt
+constexpr double kFastTurn_radps = 0.5;              // 30 deg/s: no offset, and 0.25 m/s^2 a metre off the axis
 constexpr double kLeastNorm = 0.5, kMostNorm = 2.0;  // of gravity: beyond, no wrong range explains it
 constexpr double kClippedShare = 0.1;                // of a window; single clipped readings are shocks
 
@@ -152,6 +153,7 @@ Refusal RestDetector::judge_force(Evidence& e, const CalibrationSnapshot& calibr
   if (!still && !still_turned) {
     return acc.spread_turn_sq <= limit ? Refusal::kTurning : Refusal::kLinearAcceleration;
   }
+  if (gyr.n > 0 && gyr.mean.norm() > kFastTurn_radps) return Refusal::kTurning;
   const double norm_sd = calibration.acc.norm_sd > 0 ? calibration.acc.norm_sd / params_.gravity_mps2 : 0.0;
   const double norm = (e.use_still ? acc.mean_still : acc.mean).norm() / params_.gravity_mps2;
   if (norm < kLeastNorm || norm > kMostNorm) return Refusal::kNotGravity;

@@ -19,6 +19,7 @@ constexpr double kLargestField_uT = 1e5;
 constexpr double kBlow_s = 0.1;            ///< how long a clipped peak lasts
 constexpr double kStuck_s = 1.0;           ///< noise changes a living reading long before
 constexpr double kJumpTold_s = 10.0;       ///< long enough for whoever looks every few seconds
+constexpr double kWanders_s = 10.0;        ///< in which an offset outside of its prior may become another one
 constexpr double kMagneticMemory_s = 2.0;  ///< a heading trusted this long ago still counts as magnetic
 constexpr double kNoMagnetometer_s = 1.0;  ///< after this long without a reading there is none
 
@@ -98,6 +99,7 @@ void AttitudeFilter::set_attitude(const Quat& q_world_body) noexcept {
 
 void AttitudeFilter::judge(const CalibratedSample& sample, bool acc, bool gyr, double dt_s) noexcept {
   if (acc) s_.acc_repeats.note(sample.acc_mps2, dt_s);
+  s_.gyr_heard = gyr;
   if (gyr) s_.gyr_repeats.note(sample.gyr_radps, dt_s);
   if (gyr) s_.gyr_line.note(sample.gyr_radps, dt_s);
   const bool acc_stuck = s_.acc_repeats.time_s > kStuck_s;
@@ -212,6 +214,12 @@ void AttitudeFilter::covariance_step() noexcept {
   inject();
   s_.regained |= s_.error.P()(kTheta, kTheta) + s_.error.P()(kTheta + 1, kTheta + 1) < kRegained_rad * kRegained_rad;
   mat(s_.iron_rad2) = s_.error.iron_rad2(s_.hard_iron.left_uT2(params_.hard_iron));
+  for (int i = 0; i < 3; ++i) {
+    // (A23) Outside of its prior it is no constant, but what this motion makes of a lever arm or a bent scale.
+    const double offset = vec(s_.x.acc_bias_mps2)(i);
+    if (std::abs(offset) > 3.0 * params_.acc_bias_sd_mps2)
+      s_.error.add_variance(kAccBias + i, offset * offset * time_s / kWanders_s);
+  }
   s_.sums = Sums{};
 }
 
@@ -246,6 +254,9 @@ AttitudeEstimate AttitudeFilter::estimate(std::int64_t t_ns) const noexcept {
     }
     cov = s_.error.P().block<3, 3>(kTheta, kTheta) + mat(s_.iron_rad2) + mat(s_.sums.theta_rad2);
     cov.topLeftCorner<2, 2>().diagonal().array() += s_.acc_matrix_sd * s_.acc_matrix_sd;
+    // (A24) A stamp may mean either end of its reading's interval: half a step.
+    const Vec3 late = 0.5 * s_.rate_bridge.usual_step_s() * (mat(s_.R_world_body) * vec(s_.rate_radps));
+    cov += late * late.transpose();
     if (heading_unknown()) cov(2, 2) += kUnknownHeading_rad2;
     for (int i = 0; i < 3; ++i) {
       out.gyro_bias_sd_radps[static_cast<std::size_t>(i)] =

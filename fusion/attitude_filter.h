@@ -195,6 +195,7 @@ class AttitudeFilter {
     bool heading_given = false;
     bool clock_started = false;
     bool has_attitude = false;
+    bool gyr_heard = false;  ///< at the last sample
     bool acc_heard = false;
     bool magnetometer_seen = false;
     bool at_rest = false;

@@ -19,6 +19,7 @@ constexpr double kRestLean = 6.0;       ///< mean of a chi-square of two: one in
 constexpr double kKnownTilt_rad = 0.05;
 constexpr double kLongUntrusted_s = 30.0;
 constexpr double kAnotherHeading = 9.0;   ///< of a chi-square of one
+constexpr double kLevel_rad = 0.14;       ///< beyond it a heading taken anew after a pause would be another one
 constexpr double kLostHeading_rad = 0.6;  ///< the field is asked anew, without weighing it against what was
 
 }  // namespace
@@ -134,6 +135,9 @@ void AttitudeFilter::measure_field(double time_s) noexcept {
   // A field turned by an unsure tilt has the wrong dip: until the tilt is known its reference is not learnt.
   const double tilt2 = s_.error.P()(kTheta, kTheta) + s_.error.P()(kTheta + 1, kTheta + 1);
   const bool leaning = tilt2 > kKnownTilt_rad * kKnownTilt_rad;
+  // After a pause the tilt may be far outside of where (A10) is a straight line. While the gyroscope holds the heading
+  // it can wait for the tilt; without one the field is all there is.
+  const bool waiting = !s_.regained && s_.gyr_heard && tilt2 > kLevel_rad * kLevel_rad;
   if (leaning) s_.field = FieldReference{};
   const FieldVerdict verdict =
       s_.field.observe(params_.field_reference, std::sqrt(horizontal2), field.z(), time_s, s_.sums.moved);
@@ -143,7 +147,7 @@ void AttitudeFilter::measure_field(double time_s) noexcept {
     s_.x.disturbance_rad = reading.error_rad;
     s_.error.forget(kDisturbance,
                     s_.error.P()(kTheta + 2, kTheta + 2) + params_.heading_noise_rad * params_.heading_noise_rad);
-  } else if (verdict.trusted) {
+  } else if (verdict.trusted && !waiting) {
     const bool lost = s_.error.P()(kTheta + 2, kTheta + 2) > kLostHeading_rad * kLostHeading_rad;
     if ((s_.magnetic_s == 0.0 && !s_.heading_given) || lost)
       start_heading(reading);

@@ -11,6 +11,9 @@ constexpr double kRise_s = 0.5, kMemory_s = 10.0;
 /// A body that lay still may have been taken up meanwhile: turned at this rate, another one after this time.
 constexpr double kLeastRate_radps = 0.3, kLeastTime_s = 0.2;
 
+/// The walk is judged by a handful of changes, and a pause may fall on just what they do not show.
+constexpr double kUnsure = 3.0;
+
 double share(bool rises, double time_s) { return std::min(1.0, time_s / (rises ? kRise_s : kMemory_s)); }
 
 /// Variance of the turn about one axis [rad^2]. A random walk pinned at both ends encloses an area of variance
@@ -52,7 +55,7 @@ Mat3 RateBridge::bridge_rad2(double gap_s) const noexcept {
   const double total = walk.trace();
   Mat3 turn = any * Mat3::Identity();
   if (total > 0.0) turn += walk * (bridge(rate2_, total, gap_s) / total);
-  return turn;
+  return kUnsure * turn;
 }
 
 }  // namespace stillpoint::fusion

@@ -21,6 +21,7 @@ class RateBridge {
     return usual_step_s_ > 0.0 && step_s > 2.5 * usual_step_s_;
   }
   void note_step(double step_s) noexcept;
+  [[nodiscard]] double usual_step_s() const noexcept { return usual_step_s_; }
 
   /// Covariance [rad^2, body axes] of the turn over `gap_s` when both ends of the rate are known: along the axes about
   /// which this body changes its rate, and a little about any.

@@ -187,6 +187,18 @@ TEST(RestDetector, SlowTurnsOfTenMinutesAreNotLearnt) {
   }
 }
 
+/// On an arm that turns fast the force stands still in the body and is no gravity: the axis is somewhere else.
+TEST(RestDetector, WhatTurnsFastIsNoRestOfTheForceEither) {
+  test::Motion arm;
+  const Vec3 w(0, 0, 3.0), r(-0.4, 0.2, 0.3);
+  arm.rate_radps = [&](double) { return w; };
+  arm.force_mps2 = [&](double) { return Vec3(w.cross(w.cross(r))); };
+  for (const bool has_mag : {true, false}) {
+    const Outcome o = after_rest(arm, 60.0, has_mag, 3);
+    EXPECT_EQ(o.windows, 0) << (has_mag ? "with" : "without") << " magnetometer";
+  }
+}
+
 TEST(RestDetector, AnIdlingEngineABoatAndAHandAreNotLearnt) {
   test::Motion engine;
   engine.force_mps2 = [](double t) {

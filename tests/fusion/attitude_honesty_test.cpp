@@ -38,6 +38,46 @@ TEST(AttitudeHonesty, APauseOfAFastTurnIsBridgedAndItsErrorStated) {
   }
 }
 
+/// A heading taken from the field while the tilt is far off is another one, and was stated within five degrees.
+TEST(AttitudeHonesty, AfterAPauseTheHeadingWaitsForTheTilt) {
+  MotionParams fast;
+  fast.turn_radps = 8.0;
+  fast.turn_time_s = 0.3;
+  fast.speed_mps = 2.0;
+  fast.speed_time_s = 0.3;
+  int inside = 0, judged = 0;
+  for (unsigned seed = 1; seed <= 20; ++seed) {
+    RandomMotion motion(fast, seed);
+    AttitudeFilter filter;
+    for (int i = 0; i < 2000; ++i) (void)filter.step(motion.next(i < 500), i < 500);
+    for (int i = 0; i < 30; ++i) motion.next(false);
+    for (int i = 0; i < 500; ++i) {
+      const AttitudeEstimate e = filter.step(motion.next(false), false);
+      inside += std::abs(error_of(motion, e).z()) < 3.0 * e.sigma_yaw_rad;
+      ++judged;
+    }
+  }
+  EXPECT_GT(inside, 0.98 * judged);
+}
+
+/// What a lever arm adds to the force while a body circles is constant in it, and gone when it stops.
+TEST(AttitudeHonesty, AnOffsetOfTheAccelerometerFarOutsideOfItsPriorIsNotKeptAsKnown) {
+  int inside = 0, judged = 0;
+  for (unsigned seed = 1; seed <= 5; ++seed) {
+    RandomMotion motion({}, seed);
+    AttitudeFilter filter;
+    for (int i = 0; i < 9000; ++i) {
+      CalibratedSample s = motion.next(i >= 6000);
+      if (i < 6000) s.acc_mps2[0] += 1.0;
+      const AttitudeEstimate e = filter.step(s, i >= 6000);
+      if (i < 6300) continue;
+      inside += tilt_rad(error_of(motion, e)) < 3.4 * std::hypot(e.sigma_roll_rad, e.sigma_pitch_rad);
+      ++judged;
+    }
+  }
+  EXPECT_GT(inside, 0.98 * judged);
+}
+
 TEST(AttitudeHonesty, AfterALongPauseItIsDegradedUntilTheTiltIsKnownAgain) {
   RandomMotion motion({}, 3);
   AttitudeFilter filter;
