@@ -16,7 +16,8 @@ constexpr double kPi = std::numbers::pi;
 constexpr double kLargestRate_radps = 1e3;  ///< beyond these a reading is a fault, not a measurement
 constexpr double kLargestForce_mps2 = 2e3;
 constexpr double kLargestField_uT = 1e5;
-constexpr double kBlow_s = 0.1;            ///< how long a clipped peak lasts
+constexpr double kBlow_s = 0.1;            ///< how long a clipped peak of the force lasts
+constexpr double kStroke_s = 0.1;          ///< and how long one of the rate stays as it is
 constexpr double kStuck_s = 1.0;           ///< noise changes a living reading long before
 constexpr double kJumpTold_s = 10.0;       ///< long enough for whoever looks every few seconds
 constexpr double kWanders_s = 10.0;        ///< in which an offset outside of its prior may become another one
@@ -138,11 +139,16 @@ void AttitudeFilter::turn(const CalibratedSample& sample, bool usable_reading, d
   }
   mat(s_.sums.theta_rad2).diagonal().array() += noise2;
   if (usable_reading && (sample.clipped & kGyr) != 0) {
-    // (A9) At the limit the true rate is larger by an unknown part of the reading, for as long as a stroke lasts.
+    // (A9) At the limit the true rate is larger by an unknown part of the reading, and by what it has gone on since.
     int axis = 0;
     const double peak = raw.cwiseAbs().maxCoeff(&axis);
-    const Vec3 about = R.col(axis) * (0.3 * peak);
-    mat(s_.sums.theta_rad2) += about * about.transpose() * (0.1 * dt_s);
+    if (s_.clipped_s == 0.0) s_.clip_slope_radps2 = std::max(0.0, (peak - s_.unclipped_radps) / dt_s);
+    s_.clipped_s += dt_s;
+    const Vec3 about = R.col(axis) * (0.3 * peak + s_.clip_slope_radps2 * s_.clipped_s);
+    mat(s_.sums.theta_rad2) += about * about.transpose() * (kStroke_s * dt_s);
+  } else {
+    s_.clipped_s = 0.0;
+    s_.unclipped_radps = raw.cwiseAbs().maxCoeff();
   }
   set_attitude(quat(s_.x.q_world_body) * exp_quat(rate * dt_s));
 }

@@ -180,12 +180,15 @@ class AttitudeFilter {
     StraightLine gyr_line;
     double temp_degC = 25.0;
     double start_heading_rad = 0.0;
-    double start_tilt_rad = 0.1;  ///< standard deviation
-    double acc_matrix_sd = 0.01;  ///< of the calibration in force
-    double magnetic_s = 0.0;      ///< time of trusted magnetic heading so far
-    double unmagnetic_s = 1e9;    ///< time since the last trusted one
-    double rest_doubt_s = 0.0;    ///< for this long the rest detector is not believed
-    double rest_denied_s = 0.0;   ///< for this long the gyroscope has denied it
+    double start_tilt_rad = 0.1;     ///< standard deviation
+    double acc_matrix_sd = 0.01;     ///< of the calibration in force
+    double magnetic_s = 0.0;         ///< time of trusted magnetic heading so far
+    double unmagnetic_s = 1e9;       ///< time since the last trusted one
+    double rest_doubt_s = 0.0;       ///< for this long the rest detector is not believed
+    double rest_denied_s = 0.0;      ///< for this long the gyroscope has denied it
+    double clipped_s = 0.0;          ///< of the gyroscope: for this long now
+    double clip_slope_radps2 = 0.0;  ///< with which it came to its limit
+    double unclipped_radps = 0.0;
     double since_pause_s = 0.0;
     double since_jump_s = 1e9;    ///< of the gyroscope's offset
     double since_rest_s = 0.0;    ///< since one that the gyroscope agreed to

@@ -8,6 +8,7 @@ namespace {
 
 constexpr int kPlateaus = 3;       ///< one could be chance
 constexpr double kRunUp = 0.01;    ///< part of the rail: what came in faster does not stop at once by itself
+constexpr double kStride = 50.0;   ///< lattice steps: a smooth motion creeps to its turn, it does not jump there
 constexpr double kAtRail = 0.999;  ///< rounding of the source, and what interpolation leaves of it
 constexpr double kBeyondRail = 1.003;
 
@@ -22,11 +23,13 @@ bool FullScale::at_rail(Axis& axis, double reading, bool others_live) noexcept {
   } else if (step != 0.0) {
     axis.same = 0;
     rail.counted = false;
+    axis.least = axis.least == 0.0 ? std::abs(step) : std::min(axis.least, std::abs(step));
   }
   axis.step = step;
   axis.last = reading;
   if (size > kBeyondRail * rail.value && rail.value > 0.0) rail = {};  // it was none
-  const bool plateau = axis.same >= 1 && size >= smallest_ && axis.run_up > kRunUp * size;
+  const double run_up = size >= smallest_ ? kRunUp * size : std::max(kRunUp * size, kStride * axis.least);
+  const bool plateau = axis.same >= 1 && axis.run_up > run_up;
   if (plateau && !rail.counted) {
     if (size < kAtRail * rail.value) return false;  // a plateau below the rail is something else
     rail.plateaus = static_cast<std::uint8_t>(std::min(rail.plateaus + 1, kPlateaus));

@@ -13,7 +13,8 @@ namespace stillpoint::pipeline {
 /// it. Plain state; a few comparisons a sample.
 class FullScale {
  public:
-  /// `smallest` is the smallest full scale that such sensors are sold with: what plateaus below it is no rail.
+  /// `smallest` is the smallest full scale that such sensors are commonly sold with: below it a plateau may be the
+  /// lattice's at the turn of a slow motion, and counts only when a stride of many lattice steps led to it.
   explicit FullScale(double smallest) noexcept : smallest_(smallest) {}
 
   /// True when an axis of this reading sits at a rail that is known by now.
@@ -30,6 +31,7 @@ class FullScale {
     double last = 0.0, step = 0.0;
     int same = 0;         ///< readings in a row that equal the one before
     double run_up = 0.0;  ///< the step that led to them
+    double least = 0.0;   ///< smallest step so far: the lattice's
   };
   bool at_rail(Axis& axis, double reading, bool others_live) noexcept;
 

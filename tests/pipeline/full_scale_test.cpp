@@ -48,6 +48,24 @@ TEST(FullScale, RestSteadyTurnsAndHeldReadingsAreNoRail) {
   }
 }
 
+/// A gyroscope of 60 deg/s: less than most are sold with.
+TEST(FullScale, ASmallRailIsTakenForOneWhereTheLatticeIsFine) {
+  for (const double lattice : {1e-6, 0.02}) {
+    FullScale gyr(2.0);
+    std::mt19937_64 random(1);
+    std::normal_distribution<double> normal;
+    int marked = 0;
+    for (int i = 0; i < 3000; ++i) {
+      const double cut = std::min(1.5 * std::sin(0.05 * i) + 0.003 * normal(random), lattice < 0.01 ? 1.047 : 10.0);
+      marked += gyr.at_rail({lattice * std::round(cut / lattice), normal(random), normal(random)});
+    }
+    if (lattice < 0.01)
+      EXPECT_GT(marked, 600);
+    else
+      EXPECT_EQ(marked, 0) << "the turn of a swing on a coarse lattice";
+  }
+}
+
 TEST(FullScale, AReadingBeyondARailTakesItBack) {
   FullScale scale(kSmallest);
   double other = 0.0;
