@@ -1,11 +1,12 @@
-/// portfolio [--recordings FOLDER] [--config FILE] [--sets NAME...] [--seeds N] [--each] [--smooth] [--json]: the
-/// attitude over every kind of data at hand, one parameter set, causal unless smoothed, without prediction: errors, the
-/// peer's errors, and the share of time in which the stated covariance holds the error.
+/// portfolio [--recordings FOLDER] [--config FILE] [--sets NAME...] [--seeds N] [--each] [--smooth] [--check FILE]
+/// [--json]: the attitude over every kind of data at hand, one parameter set, causal unless smoothed, without
+/// prediction: errors, the peer's errors, and the share of time in which the stated covariance holds the error.
 #include <fmt/format.h>
 
 #include <nlohmann/json.hpp>
 
 #include "bench/arguments.h"
+#include "bench/portfolio_check.h"
 #include "bench/portfolio_sets.h"
 #include "io/config.h"
 
@@ -14,7 +15,7 @@ namespace {
 
 struct Options {
   std::string recordings = STILLPOINT_SOURCE_DIR "/../shared/recordings";
-  std::string config;
+  std::string config, limits;
   std::vector<std::string> sets;
   unsigned seeds = 20;
   bool each = false, json = false, smooth = false;
@@ -152,7 +153,7 @@ int run(const Options& options) {
   for (const PortfolioSet& set : sets)
     if (set.name == "broad" && wanted("gaps")) out["gaps"] = gaps(set, params, options);
   if (options.json) fmt::print("{}\n", out.dump(1));
-  return 0;
+  return options.limits.empty() ? 0 : check_portfolio(out, options.limits, options.smooth ? "smoothed" : "causal");
 }
 
 }  // namespace
@@ -168,6 +169,7 @@ int main(int argc, char** argv) {
   app.add_option("--seeds", options.seeds, "of each simulated set")->capture_default_str();
   app.add_flag("--each", options.each, "a line for every series too");
   app.add_flag("--smooth", options.smooth, "forward and backward, as estimate --smooth");
+  app.add_option("--check", options.limits, "fail where a figure is behind what FILE stores");
   app.add_flag("--json", options.json, "on standard output, instead of the table");
   if (const auto end = parse(app, argc, argv)) return *end;
   return run(options);

@@ -16,6 +16,8 @@ constexpr double kSmallestNoise_uT = 0.5;  ///< of the change between two readin
 constexpr double kUneven_uT = 1.5;
 constexpr double kCorrelated = 4.0;
 constexpr double kOutlier = 3.0;
+/// The last ten turns deny the iron by three deviations on average: another magnet is there, or it is gone.
+constexpr double kDenied = 9.0, kDeniedOver = 10.0;
 
 }  // namespace
 
@@ -32,6 +34,16 @@ void IronFinder::observe(const Vec3& seen_world_uT, const Mat3& R_world_body, do
   anchored_ = true;
 }
 
+/// Turns of two irons make one that never was. What comes after is taken alone, and has to last: beside a magnet of the
+/// room a dozen turns would do.
+void IronFinder::forget() noexcept {
+  information_ = {};
+  weighted_ = body_ = {};
+  changes2_ = turns_ = 0.0;
+  denied_ = 1.0;
+  fewest_ = 0.5 * kMemory;
+}
+
 double IronFinder::residual_uT2() const noexcept {
   const double left = (changes2_ - vec(weighted_).dot(vec(body_))) / std::max(1.0, 3.0 * turns_ - 3.0);
   return std::max(left, kSmallestNoise_uT * kSmallestNoise_uT);
@@ -40,8 +52,13 @@ double IronFinder::residual_uT2() const noexcept {
 void IronFinder::add_turn(const Mat3& turn, const Vec3& change_uT) noexcept {
   double weight = 1.0;
   if (known()) {  // after Cauchy: a magnet that passes counts little
-    const double r2 = (change_uT - turn * vec(body_)).squaredNorm() / 3.0;
-    weight = 1.0 / (1.0 + r2 / (kOutlier * kOutlier * residual_uT2()));
+    const double r2 = (change_uT - turn * vec(body_)).squaredNorm() / 3.0 / residual_uT2();
+    weight = 1.0 / (1.0 + r2 / (kOutlier * kOutlier));
+    denied_ += (r2 - denied_) / kDeniedOver;
+    if (denied_ > kDenied) {
+      forget();
+      return;
+    }
   }
   const double keep = 1.0 - 1.0 / kMemory;
   mat(information_) = Mat3(keep * mat(information_) + weight * turn.transpose() * turn);

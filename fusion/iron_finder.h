@@ -23,13 +23,13 @@ class IronFinder {
   void rebase(const Mat3& K, const Vec3& c) noexcept;
 
   /// Enough turns for a residual to be measured.
-  [[nodiscard]] bool known() const noexcept { return turns_ > kFewest; }
+  [[nodiscard]] bool known() const noexcept { return turns_ > fewest_; }
   [[nodiscard]] Vec3 body_uT() const noexcept { return vec(body_); }
   /// Of body_uT(), uT^2: large about an axis that the body has only turned about.
   [[nodiscard]] Mat3 covariance_uT2() const noexcept;
 
  private:
-  static constexpr double kFewest = 12.0;
+  void forget() noexcept;
   void add_turn(const Mat3& turn, const Vec3& change_uT) noexcept;
   [[nodiscard]] double residual_uT2() const noexcept;
 
@@ -39,6 +39,8 @@ class IronFinder {
   Array3 body_{};
   Array3 anchor_uT_{};
   Array9 anchor_R_{};
+  double fewest_ = 12.0;
+  double denied_ = 1.0;  ///< mean square of the last turns' residuals over its expectation
   double since_s_ = 0.0;
   bool anchored_ = false;
 };

@@ -18,8 +18,9 @@ struct Smoothed {
   Stages stages;                ///< of the pass that gave them, at its end
 };
 
-/// About 0.7 kB a row. The calibrator learns from the whole first, and what it knows at the end serves from the
-/// beginning. Rate and bias are those of the forward pass; a prediction is not made.
+/// About 1.4 kB a row. The calibrator learns from the whole first, and what it knows at the end serves from the
+/// beginning where the pass that stands on it is the surer one. Rate and bias are those of the forward pass; a
+/// prediction is not made.
 [[nodiscard]] Smoothed smooth(std::size_t rows, const SampleAt& sample, const StagesParams& params,
                               calib::OnlineCalibrator& calibrator);
 

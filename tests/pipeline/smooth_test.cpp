@@ -105,6 +105,27 @@ TEST(Smooth, AHandsMotionIsBetterKnownAfterwardsAndStillCovered) {
   }
 }
 
+/// The last calibration holds the magnet as well: what came before it is not judged by that.
+TEST(Smooth, AMagnetThatComesLateLeavesTheBeginning) {
+  for (const std::uint64_t seed : {1U, 2U, 3U}) {
+    std::vector<sim::SimulatedSample> truths;
+    test::run_simulated(kHand, {}, seed, [&](const sim::SimulatedSample& truth, const Processed&) {
+      truths.push_back(truth);
+      if (truths.size() > 8000) vec(truths.back().sample.mag_uT) += Vec3(60.0, 80.0, -70.0);
+    });
+    calib::OnlineCalibrator calibrator({}, {});
+    const auto rows = smooth(
+                          truths.size(), [&](std::size_t row) { return truths[row].sample; }, {}, calibrator)
+                          .rows;
+    ASSERT_EQ(rows.size(), truths.size());
+    Judged before;
+    for (std::size_t row = 3000; row < 7500; ++row) before.add(truths[row], rows[row]);
+    const double heading_deg = kDegPerRad * std::sqrt(before.heading2 / static_cast<double>(before.rows));
+    EXPECT_LT(heading_deg, 6.0) << seed;
+    EXPECT_GT(before.share(before.heading_inside), 0.98) << seed;
+  }
+}
+
 TEST(Smooth, TwoRunsAreTheSameToTheBit) {
   const BothWays a = both_ways(4), b = both_ways(4);
   ASSERT_EQ(a.rows.size(), b.rows.size());
