@@ -129,6 +129,7 @@ void AttitudeFilter::turn(const CalibratedSample& sample, bool usable_reading, d
     vec(s_.rate_radps) = raw - M * raw - vec(s_.x.gyr_bias_radps);
   } else {
     noise2 += unknown_turn2(dt_s);
+    s_.regained = false;
   }
   const Vec3 rate = vec(s_.rate_radps);
   const auto R = mat(s_.R_world_body);
@@ -264,6 +265,9 @@ AttitudeEstimate AttitudeFilter::estimate(std::int64_t t_ns) const noexcept {
     const Vec3 late = 0.5 * s_.rate_bridge.usual_step_s() * (mat(s_.R_world_body) * vec(s_.rate_radps));
     cov += late * late.transpose();
     if (heading_unknown()) cov(2, 2) += kUnknownHeading_rad2;
+    // Who does not know which side is up does not know where the front points either.
+    if (cov.topLeftCorner<2, 2>().trace() > 2.0 * kLostTilt_rad * kLostTilt_rad)
+      cov(2, 2) = std::max(cov(2, 2), kUnknownHeading_rad2);
     for (int i = 0; i < 3; ++i) {
       out.gyro_bias_sd_radps[static_cast<std::size_t>(i)] =
           std::sqrt(std::max(0.0, s_.error.P()(kGyrBias + i, kGyrBias + i)));

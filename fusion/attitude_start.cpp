@@ -13,7 +13,6 @@ namespace {
 
 constexpr double kPi = std::numbers::pi;
 constexpr double kStartTilt_rad = 0.1;   ///< the first reading may hold 1 m/s^2 of motion
-constexpr double kLostTilt_rad = 0.5;    ///< beyond it the filter's straight lines end: down is taken anew
 constexpr double kMovingTilt_rad = 0.3;  ///< of one reading in the middle of a motion: 3 m/s^2 across gravity
 
 }  // namespace

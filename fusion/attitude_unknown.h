@@ -8,6 +8,7 @@ inline constexpr double kUnknownRate_radps = 2.0;  ///< rate of a body whose gyr
 inline constexpr double kUnknownForce_mps2 = 5.0;  ///< acceleration while the accelerometer is absent
 inline constexpr double kUnknownTime_s = 0.2;      ///< after which either is another one
 inline constexpr double kUnknownHeading_rad2 = std::numbers::pi * std::numbers::pi / 3.0;  ///< any heading
+inline constexpr double kLostTilt_rad = 0.5;   ///< beyond it the filter's straight lines end: down is taken anew
 inline constexpr double kRegained_rad = 0.05;  ///< tilt that is known again after a pause
 
 /// Variance that a step without gyroscope adds to the rotation, and one without accelerometer to the velocity.

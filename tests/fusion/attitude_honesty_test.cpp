@@ -60,6 +60,29 @@ TEST(AttitudeHonesty, AfterAPauseTheHeadingWaitsForTheTilt) {
   EXPECT_GT(inside, 0.98 * judged);
 }
 
+/// Twenty seconds without a gyroscope, in strong motion: nobody knows which side is up, and the heading knows no more.
+TEST(AttitudeHonesty, WithoutAGyroscopeTheHeadingIsNoSurerThanTheTilt) {
+  MotionParams strong;
+  strong.turn_radps = 3.0;
+  strong.speed_mps = 1.0;
+  strong.speed_time_s = 0.3;
+  int inside = 0, judged = 0;
+  for (unsigned seed = 1; seed <= 10; ++seed) {
+    RandomMotion motion(strong, seed);
+    AttitudeFilter filter;
+    for (int i = 0; i < 5000; ++i) {
+      CalibratedSample s = motion.next(i < 500);
+      const bool silent = i >= 2000 && i < 4000;
+      if (silent) s.has = static_cast<std::uint8_t>(s.has & ~kGyr);
+      const AttitudeEstimate e = filter.step(s, i < 500);
+      if (i < 2000) continue;
+      inside += std::abs(error_of(motion, e).z()) < 3.0 * e.sigma_yaw_rad;
+      ++judged;
+    }
+  }
+  EXPECT_GT(inside, 0.97 * judged);
+}
+
 /// What a lever arm adds to the force while a body circles is constant in it, and gone when it stops.
 TEST(AttitudeHonesty, AnOffsetOfTheAccelerometerFarOutsideOfItsPriorIsNotKeptAsKnown) {
   int inside = 0, judged = 0;
