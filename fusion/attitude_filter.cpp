@@ -129,7 +129,6 @@ void AttitudeFilter::turn(const CalibratedSample& sample, bool usable_reading, d
     vec(s_.rate_radps) = raw - M * raw - vec(s_.x.gyr_bias_radps);
   } else {
     noise2 += unknown_turn2(dt_s);
-    s_.regained = false;
   }
   const Vec3 rate = vec(s_.rate_radps);
   const auto R = mat(s_.R_world_body);
@@ -219,7 +218,9 @@ void AttitudeFilter::covariance_step() noexcept {
   if (s_.sums.fields > 0) measure_field(time_s);
   s_.rate_bridge.observe(vec(s_.sums.rate_radps_s) / time_s, time_s);
   inject();
-  s_.regained |= s_.error.P()(kTheta, kTheta) + s_.error.P()(kTheta + 1, kTheta + 1) < kRegained_rad * kRegained_rad;
+  const double tilt2 = s_.error.P().block<2, 2>(kTheta, kTheta).trace();
+  s_.regained &= s_.gyr_heard || tilt2 < kLostTilt_rad * kLostTilt_rad;
+  s_.regained |= tilt2 < kRegained_rad * kRegained_rad;
   mat(s_.iron_rad2) = s_.error.iron_rad2(s_.hard_iron.left_uT2(params_.hard_iron));
   for (int i = 0; i < 3; ++i) {
     // (A23) Outside of its prior it is no constant, but what this motion makes of a lever arm or a bent scale.
