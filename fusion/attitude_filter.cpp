@@ -222,6 +222,8 @@ void AttitudeFilter::covariance_step() noexcept {
   s_.regained &= s_.gyr_heard || tilt2 < kLostTilt_rad * kLostTilt_rad;
   s_.regained |= tilt2 < kRegained_rad * kRegained_rad;
   mat(s_.iron_rad2) = s_.error.iron_rad2(s_.hard_iron.left_uT2(params_.hard_iron));
+  const Eigen::RowVector3d turned = s_.error.by_iron().row(kTheta + 2).head<3>();  // the heading, per uT of iron
+  mat(s_.iron_rad2)(2, 2) += turned * s_.hard_iron.unseen_uT2(params_.hard_iron) * turned.transpose();
   for (int i = 0; i < 3; ++i) {
     // (A23) Outside of its prior it is no constant, but what this motion makes of a lever arm or a bent scale.
     const double offset = vec(s_.x.acc_bias_mps2)(i);
@@ -263,7 +265,7 @@ AttitudeEstimate AttitudeFilter::estimate(std::int64_t t_ns) const noexcept {
     cov = s_.error.P().block<3, 3>(kTheta, kTheta) + mat(s_.iron_rad2) + mat(s_.sums.theta_rad2);
     cov.topLeftCorner<2, 2>().diagonal().array() += s_.acc_matrix_sd * s_.acc_matrix_sd;
     // (A24) A stamp may mean either end of its reading's interval: half a step.
-    const Vec3 late = 0.5 * s_.rate_bridge.usual_step_s() * (mat(s_.R_world_body) * vec(s_.rate_radps));
+    const Vec3 late = params_.stamp_sd * s_.rate_bridge.usual_step_s() * (mat(s_.R_world_body) * vec(s_.rate_radps));
     cov += late * late.transpose();
     if (heading_unknown()) cov(2, 2) += kUnknownHeading_rad2;
     // Who does not know which side is up does not know where the front points either.

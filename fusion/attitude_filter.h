@@ -34,6 +34,7 @@ struct AttitudeFilterParams {
   double acc_bias_sd_mps2 = 0.1;
   double acc_bias_walk_mps2_rtHz = 1e-4;
   double acc_matrix_sd = 0.01;
+  double stamp_sd = 0.5;
   double motion_speed_mps = 1.0;
   double motion_radius_m = 10.0;
   double motion_time_s = 0.5;
@@ -76,6 +77,8 @@ struct AttitudeFilterParams {
             "acc_matrix_sd", &P::acc_matrix_sd, in_range(0.0, 0.1),
             "scale and misalignment error of an accelerometer that nobody has calibrated: it leans the attitude by as "
             "much; a calibration that was learnt states its own"),
+        field("stamp_sd", &P::stamp_sd, in_range(0.0, 10.0),
+              "how far a stamp may be off its reading, in steps: 0.5 for either end of the interval; 0: exact"),
         field("motion_speed_mps", &P::motion_speed_mps, in_range(1e-3, 1e4),
               "typical speed, of a hand or a walk 1; a body that is faster is found out"),
         field("motion_radius_m", &P::motion_radius_m, in_range(1e-3, 1e6),

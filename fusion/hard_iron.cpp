@@ -43,6 +43,18 @@ Mat3 HardIron::left_uT2(const HardIronParams& params) const noexcept {
   return body_covariance() + left * left.transpose();
 }
 
+Mat3 HardIron::unseen_uT2(const HardIronParams& params) const noexcept {
+  if (params.unseen_sd_uT <= params.sd_uT || params.sd_uT <= 0.0) return Mat3::Zero();
+  const Eigen::SelfAdjointEigenSolver<Mat3> seen(body_covariance());
+  Vec3 more;
+  for (int i = 0; i < 3; ++i) {
+    const double shown = std::max(0.0, 1.0 / seen.eigenvalues()(i) - 1.0 / (params.sd_uT * params.sd_uT));
+    const double wide = 1.0 / (shown + 1.0 / (params.unseen_sd_uT * params.unseen_sd_uT));
+    more(i) = std::max(0.0, wide - seen.eigenvalues()(i));
+  }
+  return seen.eigenvectors() * more.asDiagonal() * seen.eigenvectors().transpose();
+}
+
 void HardIron::observe(const HardIronParams& params, const Vec3& field_world_uT, const Mat3& R_mean,
                        double time_s) noexcept {
   if (params.sd_uT <= 0.0 || !field_world_uT.allFinite()) return;

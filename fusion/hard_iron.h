@@ -13,6 +13,7 @@ namespace stillpoint::fusion {
 
 struct HardIronParams {
   double sd_uT = 10.0;
+  double unseen_sd_uT = 50.0;
   double walk_uT_rtHz = 0.02;
   double field_walk_uT_rtHz = 0.3;
   double noise_uT = 3.0;
@@ -24,6 +25,9 @@ struct HardIronParams {
     return std::tuple{
         field("sd_uT", &P::sd_uT, in_range(0.0, 1e4),
               "field of the body's own magnetism that the calibration may have left; 0: not learnt"),
+        field("unseen_sd_uT", &P::unseen_sd_uT, in_range(0.0, 1e4),
+              "the same as it is stated in the heading's deviation until turns have shown it: nobody calibrated it; "
+              "as sd_uT where somebody did"),
         field("walk_uT_rtHz", &P::walk_uT_rtHz, in_range(0.0, 100.0), "random walk of that field"),
         field("field_walk_uT_rtHz", &P::field_walk_uT_rtHz, in_range(0.0, 100.0),
               "random walk of the field of the place, as seen by a sensor that moves through it"),
@@ -49,6 +53,8 @@ class HardIron {
   [[nodiscard]] Vec3 body_uT(const HardIronParams& params) const noexcept;
   /// (A17) Mean square of what body_uT() leaves, uT^2: the uncertainty, and the share that the doubt holds back.
   [[nodiscard]] Mat3 left_uT2(const HardIronParams& params) const noexcept;
+  /// (A17a) What comes to it, uT^2, where turns have not shown the iron and its prior may be wrong.
+  [[nodiscard]] Mat3 unseen_uT2(const HardIronParams& params) const noexcept;
 
   /// (A18) Another finder's value, with its covariance, lies outside what this one was told to expect, and has found.
   [[nodiscard]] bool contradicted(const HardIronParams& params, const Vec3& body_uT,

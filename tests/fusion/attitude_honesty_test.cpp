@@ -83,6 +83,25 @@ TEST(AttitudeHonesty, WithoutAGyroscopeTheHeadingIsNoSurerThanTheTilt) {
   EXPECT_GT(inside, 0.97 * judged);
 }
 
+/// Iron three times as large as what a calibrated magnetometer has left, and no turn that could show it.
+TEST(AttitudeHonesty, WhoGoesStraightOnDoesNotKnowTheIronOnHim) {
+  MotionParams straight;
+  straight.turn_radps = 0.02;
+  straight.hard_iron_uT = Vec3(30.0, -9.0, 5.0);
+  int inside = 0, judged = 0;
+  for (unsigned seed = 1; seed <= 20; ++seed) {
+    RandomMotion motion(straight, seed);
+    AttitudeFilter filter;
+    for (int i = 0; i < 3000; ++i) {
+      const AttitudeEstimate e = filter.step(motion.next(false), false);
+      if (i < 500) continue;
+      inside += std::abs(error_of(motion, e).z()) < 3.0 * e.sigma_yaw_rad;
+      ++judged;
+    }
+  }
+  EXPECT_GT(inside, 0.98 * judged);
+}
+
 /// What a lever arm adds to the force while a body circles is constant in it, and gone when it stops.
 TEST(AttitudeHonesty, AnOffsetOfTheAccelerometerFarOutsideOfItsPriorIsNotKeptAsKnown) {
   int inside = 0, judged = 0;

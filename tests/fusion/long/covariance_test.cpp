@@ -31,6 +31,7 @@ AttitudeFilterParams matched(const MotionParams& m) {
   p.motion_time_s = m.speed_time_s;
   p.motion_radius_m = 1e5;  // this motion has no home
   p.acc_matrix_sd = 0.0;    // nor has its accelerometer an error of scale
+  p.stamp_sd = 0.0;         // and its stamps are exact
   p.heading_noise_rad = m.deviation_rad;
   p.heading_noise_time_s = m.deviation_time_s;
   p.heading_disturbance_rad = 0.0;
