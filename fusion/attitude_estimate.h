@@ -31,6 +31,9 @@ struct AttitudeEstimate {
 
 static_assert(std::is_trivially_copyable_v<AttitudeEstimate>);
 
+/// Roll, pitch and yaw deviations from the attitude and its covariance: the horizontal axes are those of heading_of().
+void set_sigmas(AttitudeEstimate& e) noexcept;
+
 /// The same attitude with world NED and body x forward, y right, z down. The two frames of each pair are both turned
 /// by a fixed rotation, so roll keeps its sign and pitch and yaw change theirs, as the conventions want.
 [[nodiscard]] AttitudeEstimate in_ned(const AttitudeEstimate& enu) noexcept;

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include "core/so3.h"
 #include "core/units.h"
@@ -12,17 +11,13 @@
 namespace stillpoint::fusion {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
 constexpr double kLargestRate_radps = 1e3;  ///< beyond these a reading is a fault, not a measurement
 constexpr double kLargestForce_mps2 = 2e3;
 constexpr double kLargestField_uT = 1e5;
-constexpr double kBlow_s = 0.1;            ///< how long a clipped peak of the force lasts
-constexpr double kStroke_s = 0.1;          ///< and how long one of the rate stays as it is
-constexpr double kStuck_s = 1.0;           ///< noise changes a living reading long before
-constexpr double kJumpTold_s = 10.0;       ///< long enough for whoever looks every few seconds
-constexpr double kWanders_s = 10.0;        ///< in which an offset outside of its prior may become another one
-constexpr double kMagneticMemory_s = 2.0;  ///< a heading trusted this long ago still counts as magnetic
-constexpr double kNoMagnetometer_s = 1.0;  ///< after this long without a reading there is none
+constexpr double kBlow_s = 0.1;      ///< how long a clipped peak of the force lasts
+constexpr double kStroke_s = 0.1;    ///< and how long one of the rate stays as it is
+constexpr double kStuck_s = 1.0;     ///< noise changes a living reading long before
+constexpr double kWanders_s = 10.0;  ///< in which an offset outside of its prior may become another one
 
 bool usable(const CalibratedSample& s, SamplePart part, const Array3& reading, double limit) {
   return s.holds(part) && vec(reading).allFinite() && vec(reading).cwiseAbs().maxCoeff() < limit;
@@ -218,7 +213,7 @@ void AttitudeFilter::covariance_step() noexcept {
   if (s_.sums.fields > 0) measure_field(time_s);
   s_.rate_bridge.observe(vec(s_.sums.rate_radps_s) / time_s, time_s);
   inject();
-  const double tilt2 = s_.error.P().block<2, 2>(kTheta, kTheta).trace();
+  const double tilt2 = s_.error.tilt_rad2();
   s_.regained &= s_.gyr_heard || tilt2 < kLostTilt_rad * kLostTilt_rad;
   s_.regained |= tilt2 < kRegained_rad * kRegained_rad;
   mat(s_.iron_rad2) = s_.error.iron_rad2(s_.hard_iron.left_uT2(params_.hard_iron));
@@ -249,53 +244,6 @@ void AttitudeFilter::inject() noexcept {
   vec(s_.x.acc_bias_mps2) += d.segment<3>(kAccBias);
   Eigen::Map<Eigen::Matrix<double, 9, 1>>(s_.x.gyr_matrix.data()) += d.segment<9>(kGyrMatrix);
   s_.x.disturbance_rad += d(kDisturbance);
-}
-
-AttitudeEstimate AttitudeFilter::estimate(std::int64_t t_ns) const noexcept {
-  AttitudeEstimate out;
-  out.t_ns = t_ns;
-  out.status = s_.status;
-  out.at_rest = s_.at_rest;
-  Mat3 cov = kPi * kPi * Mat3::Identity();
-  if (s_.has_attitude) {
-    out.q_world_body = s_.x.q_world_body;
-    if (params_.prediction_s > 0.0) {
-      out.q_world_body = array(quat(s_.x.q_world_body) * exp_quat(params_.prediction_s * vec(s_.rate_radps)));
-    }
-    cov = s_.error.P().block<3, 3>(kTheta, kTheta) + mat(s_.iron_rad2) + mat(s_.sums.theta_rad2);
-    cov.topLeftCorner<2, 2>().diagonal().array() += s_.acc_matrix_sd * s_.acc_matrix_sd;
-    // (A24) A stamp may mean either end of its reading's interval: half a step.
-    const Vec3 late = params_.stamp_sd * s_.rate_bridge.usual_step_s() * (mat(s_.R_world_body) * vec(s_.rate_radps));
-    cov += late * late.transpose();
-    if (heading_unknown()) cov(2, 2) += kUnknownHeading_rad2;
-    // Who does not know which side is up does not know where the front points either.
-    if (cov.topLeftCorner<2, 2>().trace() > 2.0 * kLostTilt_rad * kLostTilt_rad)
-      cov(2, 2) = std::max(cov(2, 2), kUnknownHeading_rad2);
-    for (int i = 0; i < 3; ++i) {
-      out.gyro_bias_sd_radps[static_cast<std::size_t>(i)] =
-          std::sqrt(std::max(0.0, s_.error.P()(kGyrBias + i, kGyrBias + i)));
-    }
-    out.rate_body_radps = s_.rate_radps;
-    out.gyro_bias_radps = s_.x.gyr_bias_radps;
-    out.gyro_offset_jumped = s_.since_jump_s < kJumpTold_s;
-  }
-  out.covariance_world_rad2 = stillpoint::array(cov);
-  const Vec3 ahead = direction_of_heading(quat(out.q_world_body));
-  const Vec3 across(-ahead.y(), ahead.x(), 0.0);
-  out.sigma_roll_rad = std::sqrt(std::max(0.0, ahead.dot(cov * ahead)));
-  out.sigma_pitch_rad = std::sqrt(std::max(0.0, across.dot(cov * across)));
-  out.sigma_yaw_rad = std::sqrt(std::max(0.0, cov(2, 2)));
-  if (s_.magnetic_s > 0.0) {
-    const auto trusted = params_.declination_rad != 0.0 ? HeadingReference::kTrue : HeadingReference::kMagnetic;
-    out.heading = s_.unmagnetic_s < kMagneticMemory_s ? trusted : HeadingReference::kDisturbed;
-  }
-  return out;
-}
-
-/// Between a magnetometer's first word and the first heading that can be trusted.
-bool AttitudeFilter::heading_unknown() const noexcept {
-  return params_.use_magnetometer && !s_.heading_given && s_.magnetic_s == 0.0 &&
-         (s_.magnetometer_seen || s_.age_s < kNoMagnetometer_s);
 }
 
 void AttitudeFilter::rebase(const CalibrationSnapshot& from, const CalibrationSnapshot& to) noexcept {

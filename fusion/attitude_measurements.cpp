@@ -29,7 +29,7 @@ void AttitudeFilter::measure_motion(double time_s) noexcept {
   const MotionScale::Seen seen{{s_.x.velocity_mps[0], s_.x.velocity_mps[1]},
                                {P(kVelocity, kVelocity), P(kVelocity + 1, kVelocity + 1)},
                                stillpoint::array(Vec3(vec(s_.sums.motion.force) / time_s)),
-                               0.5 * (P(kTheta, kTheta) + P(kTheta + 1, kTheta + 1))};
+                               0.5 * s_.error.tilt_rad2()};
   const double leaning_rad2 = s_.motion_scale.observe(seen, {params_.motion_speed_mps, params_.motion_time_s}, time_s);
   for (int i = 0; i < 2; ++i) s_.error.add_variance(kTheta + i, leaning_rad2);
   s_.since_pause_s += time_s;
@@ -117,10 +117,9 @@ void AttitudeFilter::doubt_tilt(double time_s) noexcept {
   const Vec3 force = vec(s_.sums.motion.force) / time_s;
   const double g2 = kStandardGravity_mps2 * kStandardGravity_mps2;
   const double lean2 = force.head<2>().squaredNorm() / g2;
-  const double expected = s_.error.P()(kTheta, kTheta) + s_.error.P()(kTheta + 1, kTheta + 1) +
-                          (s_.error.P().diagonal().segment<3>(kAccBias).sum() +
-                           params_.acc_noise_mps2_rtHz * params_.acc_noise_mps2_rtHz / time_s) /
-                              g2;
+  const double expected = s_.error.tilt_rad2() + (s_.error.P().diagonal().segment<3>(kAccBias).sum() +
+                                                  params_.acc_noise_mps2_rtHz * params_.acc_noise_mps2_rtHz / time_s) /
+                                                     g2;
   s_.lean_s = lean2 > kRestLean * expected ? s_.lean_s + time_s : 0.0;
   if (s_.lean_s < kRestDoubt_s) return;
   for (int i = 0; i < 2; ++i) s_.error.add_variance(kTheta + i, lean2);
@@ -133,7 +132,7 @@ void AttitudeFilter::measure_field(double time_s) noexcept {
   const Vec3 field = seen - R_mean * s_.hard_iron.body_uT(params_.hard_iron);
   const double horizontal2 = field.head<2>().squaredNorm();
   // A field turned by an unsure tilt has the wrong dip: until the tilt is known its reference is not learnt.
-  const double tilt2 = s_.error.P()(kTheta, kTheta) + s_.error.P()(kTheta + 1, kTheta + 1);
+  const double tilt2 = s_.error.tilt_rad2();
   const bool leaning = tilt2 > kKnownTilt_rad * kKnownTilt_rad;
   // After a pause the tilt may be far outside of where (A10) is a straight line. While the gyroscope holds the heading
   // it can wait for the tilt; without one the field is all there is.

@@ -65,7 +65,7 @@ void AttitudeFilter::bridge(const CalibratedSample& sample, bool gyr, bool acc, 
   mat(s_.sums.velocity_m2ps2).diagonal().array() += std::min(unknown_speed2(dt_s), 2.0 * speed2);
   set_attitude(quat(s_.x.q_world_body) * exp_quat(turned));
   s_.sums.moved = true;
-  const double tilt2 = (s_.error.P().topLeftCorner<2, 2>() + unknown.topLeftCorner<2, 2>()).trace();
+  const double tilt2 = s_.error.tilt_rad2() + unknown.topLeftCorner<2, 2>().trace();
   s_.regained &= tilt2 < kRegained_rad * kRegained_rad;
   if (!acc || tilt2 < kLostTilt_rad * kLostTilt_rad) return;
   const double heading2 = s_.error.P()(kTheta + 2, kTheta + 2) + unknown(2, 2) + tilt2;

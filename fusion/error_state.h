@@ -59,6 +59,9 @@ class ErrorState {
   }
   [[nodiscard]] Eigen::Map<IronMatrix> by_iron() noexcept { return Eigen::Map<IronMatrix>(by_iron_.data()); }
 
+  /// Variance of the tilt, rad^2: about both horizontal axes.
+  [[nodiscard]] double tilt_rad2() const noexcept { return P()(kTheta, kTheta) + P()(kTheta + 1, kTheta + 1); }
+
   /// Independent errors with these standard deviations.
   void start(const ErrorVector& sd) noexcept;
 

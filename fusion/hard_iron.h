@@ -26,8 +26,8 @@ struct HardIronParams {
         field("sd_uT", &P::sd_uT, in_range(0.0, 1e4),
               "field of the body's own magnetism that the calibration may have left; 0: not learnt"),
         field("unseen_sd_uT", &P::unseen_sd_uT, in_range(0.0, 1e4),
-              "the same as it is stated in the heading's deviation until turns have shown it: nobody calibrated it; "
-              "as sd_uT where somebody did"),
+              "the same before turns have shown it, as the heading's deviation states it: 50 for a magnetometer that "
+              "nobody calibrated; equal to sd_uT for one that somebody did"),
         field("walk_uT_rtHz", &P::walk_uT_rtHz, in_range(0.0, 100.0), "random walk of that field"),
         field("field_walk_uT_rtHz", &P::field_walk_uT_rtHz, in_range(0.0, 100.0),
               "random walk of the field of the place, as seen by a sensor that moves through it"),

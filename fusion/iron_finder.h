@@ -39,8 +39,8 @@ class IronFinder {
   Array3 body_{};
   Array3 anchor_uT_{};
   Array9 anchor_R_{};
-  double fewest_ = 12.0;
-  double denied_ = 1.0;  ///< mean square of the last turns' residuals over its expectation
+  double fewest_ = 12.0;  ///< turns before it speaks; more of them once turns have denied what it said
+  double denied_ = 1.0;   ///< mean square of the last turns' residuals over its expectation
   double since_s_ = 0.0;
   bool anchored_ = false;
 };

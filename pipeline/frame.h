@@ -15,9 +15,6 @@ struct OutputFrame {
   Quat q_body_sensor = Quat::Identity();  ///< the mounting: v_body = R v_sensor
 };
 
-/// Roll, pitch and yaw deviations anew, from the attitude and its covariance.
-void set_sigmas(fusion::AttitudeEstimate& e) noexcept;
-
 /// The filter works in the sensor's frame; this gives its estimate for the body, in the wanted world.
 [[nodiscard]] fusion::AttitudeEstimate in_frame(const fusion::AttitudeEstimate& sensor_in_enu,
                                                 const OutputFrame& frame) noexcept;

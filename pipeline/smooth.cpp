@@ -9,7 +9,7 @@ namespace stillpoint::pipeline {
 namespace {
 
 constexpr double kNoHeading_rad2 = 1e6;
-constexpr double kFarLess = 4.0;  ///< in the mean variance: twice as sure
+constexpr double kMuchLessSure = 4.0;  ///< in the mean variance: deviations twice as large
 
 Quat quat_of(const fusion::AttitudeEstimate& e) {
   return {e.q_world_body[0], e.q_world_body[1], e.q_world_body[2], e.q_world_body[3]};
@@ -29,6 +29,22 @@ CalibratedSample reversed(const CalibratedSample& sample, const CalibratedSample
   r.absent = of_before(r.absent, before.absent);
   r.clipped = of_before(r.clipped, before.clipped);
   return r;
+}
+
+Smoothed forward_pass(std::size_t rows, const SampleAt& sample, const StagesParams& params,
+                      calib::OnlineCalibrator& calibrator) {
+  Smoothed out{{}, Stages(params, calibrator.snapshot())};
+  DirectLink link(calibrator);
+  Processed processed;
+  for (std::size_t row = 0; row < rows; ++row)
+    if (out.stages.process(sample(row), processed, link) != StageStatus::kDrop) out.rows.push_back(processed);
+  return out;
+}
+
+double stated_rad2(const Smoothed& pass) {
+  double sum = 0.0;
+  for (const Processed& p : pass.rows) sum += mat(p.attitude.covariance_world_rad2).trace();
+  return sum;
 }
 
 }  // namespace
@@ -54,29 +70,9 @@ fusion::AttitudeEstimate fused(const fusion::AttitudeEstimate& forward,
   for (const Mat3& alone : {P, Q})
     if (alone.trace() < told.trace()) told = alone;
   out.covariance_world_rad2 = array(told);
-  set_sigmas(out);
+  fusion::set_sigmas(out);
   return out;
 }
-
-namespace {
-
-Smoothed forward_pass(std::size_t rows, const SampleAt& sample, const StagesParams& params,
-                      calib::OnlineCalibrator& calibrator) {
-  Smoothed out{{}, Stages(params, calibrator.snapshot())};
-  DirectLink link(calibrator);
-  Processed processed;
-  for (std::size_t row = 0; row < rows; ++row)
-    if (out.stages.process(sample(row), processed, link) != StageStatus::kDrop) out.rows.push_back(processed);
-  return out;
-}
-
-double stated_rad2(const Smoothed& pass) {
-  double sum = 0.0;
-  for (const Processed& p : pass.rows) sum += mat(p.attitude.covariance_world_rad2).trace();
-  return sum;
-}
-
-}  // namespace
 
 Smoothed smooth(std::size_t rows, const SampleAt& sample, const StagesParams& params,
                 calib::OnlineCalibrator& calibrator) {
@@ -88,7 +84,7 @@ Smoothed smooth(std::size_t rows, const SampleAt& sample, const StagesParams& pa
     // part of the last calibration) the pass says so itself.
     offline.learn = false;
     Smoothed known = forward_pass(rows, sample, offline, calibrator);
-    if (stated_rad2(known) < kFarLess * stated_rad2(out)) out = std::move(known);
+    if (stated_rad2(known) < kMuchLessSure * stated_rad2(out)) out = std::move(known);
   }
   if (out.rows.empty()) return out;
   fusion::AttitudeFilter filter = out.stages.filter();
@@ -102,7 +98,7 @@ Smoothed smooth(std::size_t rows, const SampleAt& sample, const StagesParams& pa
     p->attitude = fused(forward, in_frame(backward, params.frame));
     if (HealthMonitor::unfounded(p->health)) {  // it stands on the same sensors
       p->attitude.covariance_world_rad2 = forward.covariance_world_rad2;
-      set_sigmas(p->attitude);
+      fusion::set_sigmas(p->attitude);
     }
     before = here;
   }

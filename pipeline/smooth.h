@@ -19,8 +19,8 @@ struct Smoothed {
 };
 
 /// About 1.4 kB a row. The calibrator learns from the whole first, and what it knows at the end serves from the
-/// beginning where the pass that stands on it is the surer one. Rate and bias are those of the forward pass; a
-/// prediction is not made.
+/// beginning, unless the pass that stands on it states twice the deviations of the one that learnt on the way. Rate and
+/// bias are those of the forward pass; a prediction is not made.
 [[nodiscard]] Smoothed smooth(std::size_t rows, const SampleAt& sample, const StagesParams& params,
                               calib::OnlineCalibrator& calibrator);
 

@@ -18,7 +18,7 @@ TEST(AttitudeHonesty, APauseOfAFastTurnIsBridgedAndItsErrorStated) {
   fast.turn_radps = 5.0;
   fast.turn_time_s = 0.5;
   for (const int lost : {5, 30, 200}) {
-    int inside = 0, pauses = 0;
+    Coverage coverage;
     for (unsigned seed = 1; seed <= 10; ++seed) {
       RandomMotion motion(fast, seed);
       AttitudeFilter filter;
@@ -28,13 +28,12 @@ TEST(AttitudeHonesty, APauseOfAFastTurnIsBridgedAndItsErrorStated) {
       for (int i = 0; i < 100; ++i) {
         e = filter.step(motion.next(false), false);
         const Vec3 error = error_of(motion, e);
-        inside += std::abs(error.x()) < 3.0 * std::sqrt(e.covariance_world_rad2[0]) &&
-                  std::abs(error.y()) < 3.0 * std::sqrt(e.covariance_world_rad2[4]) &&
-                  std::abs(error.z()) < 3.0 * e.sigma_yaw_rad;
-        ++pauses;
+        coverage.note(std::abs(error.x()) < 3.0 * std::sqrt(e.covariance_world_rad2[0]) &&
+                      std::abs(error.y()) < 3.0 * std::sqrt(e.covariance_world_rad2[4]) &&
+                      std::abs(error.z()) < 3.0 * e.sigma_yaw_rad);
       }
     }
-    EXPECT_GT(inside, 0.95 * pauses) << lost << " samples lost";
+    EXPECT_GT(coverage.share(), 0.95) << lost << " samples lost";
   }
 }
 
@@ -45,7 +44,7 @@ TEST(AttitudeHonesty, AfterAPauseTheHeadingWaitsForTheTilt) {
   fast.turn_time_s = 0.3;
   fast.speed_mps = 2.0;
   fast.speed_time_s = 0.3;
-  int inside = 0, judged = 0;
+  Coverage coverage;
   for (unsigned seed = 1; seed <= 20; ++seed) {
     RandomMotion motion(fast, seed);
     AttitudeFilter filter;
@@ -53,11 +52,10 @@ TEST(AttitudeHonesty, AfterAPauseTheHeadingWaitsForTheTilt) {
     for (int i = 0; i < 30; ++i) motion.next(false);
     for (int i = 0; i < 500; ++i) {
       const AttitudeEstimate e = filter.step(motion.next(false), false);
-      inside += std::abs(error_of(motion, e).z()) < 3.0 * e.sigma_yaw_rad;
-      ++judged;
+      coverage.note(std::abs(error_of(motion, e).z()) < 3.0 * e.sigma_yaw_rad);
     }
   }
-  EXPECT_GT(inside, 0.98 * judged);
+  EXPECT_GT(coverage.share(), 0.98);
 }
 
 /// Twenty seconds without a gyroscope, in strong motion: nobody knows which side is up, and the heading knows no more.
@@ -66,7 +64,7 @@ TEST(AttitudeHonesty, WithoutAGyroscopeTheHeadingIsNoSurerThanTheTilt) {
   strong.turn_radps = 3.0;
   strong.speed_mps = 1.0;
   strong.speed_time_s = 0.3;
-  int inside = 0, judged = 0;
+  Coverage coverage;
   for (unsigned seed = 1; seed <= 10; ++seed) {
     RandomMotion motion(strong, seed);
     AttitudeFilter filter;
@@ -76,11 +74,10 @@ TEST(AttitudeHonesty, WithoutAGyroscopeTheHeadingIsNoSurerThanTheTilt) {
       if (silent) s.has = static_cast<std::uint8_t>(s.has & ~kGyr);
       const AttitudeEstimate e = filter.step(s, i < 500);
       if (i < 2000) continue;
-      inside += std::abs(error_of(motion, e).z()) < 3.0 * e.sigma_yaw_rad;
-      ++judged;
+      coverage.note(std::abs(error_of(motion, e).z()) < 3.0 * e.sigma_yaw_rad);
     }
   }
-  EXPECT_GT(inside, 0.97 * judged);
+  EXPECT_GT(coverage.share(), 0.97);
 }
 
 /// Iron three times as large as what a calibrated magnetometer has left, and no turn that could show it.
@@ -88,23 +85,22 @@ TEST(AttitudeHonesty, WhoGoesStraightOnDoesNotKnowTheIronOnHim) {
   MotionParams straight;
   straight.turn_radps = 0.02;
   straight.hard_iron_uT = Vec3(30.0, -9.0, 5.0);
-  int inside = 0, judged = 0;
+  Coverage coverage;
   for (unsigned seed = 1; seed <= 20; ++seed) {
     RandomMotion motion(straight, seed);
     AttitudeFilter filter;
     for (int i = 0; i < 3000; ++i) {
       const AttitudeEstimate e = filter.step(motion.next(false), false);
       if (i < 500) continue;
-      inside += std::abs(error_of(motion, e).z()) < 3.0 * e.sigma_yaw_rad;
-      ++judged;
+      coverage.note(std::abs(error_of(motion, e).z()) < 3.0 * e.sigma_yaw_rad);
     }
   }
-  EXPECT_GT(inside, 0.98 * judged);
+  EXPECT_GT(coverage.share(), 0.98);
 }
 
 /// What a lever arm adds to the force while a body circles is constant in it, and gone when it stops.
 TEST(AttitudeHonesty, AnOffsetOfTheAccelerometerFarOutsideOfItsPriorIsNotKeptAsKnown) {
-  int inside = 0, judged = 0;
+  Coverage coverage;
   for (unsigned seed = 1; seed <= 5; ++seed) {
     RandomMotion motion({}, seed);
     AttitudeFilter filter;
@@ -113,11 +109,10 @@ TEST(AttitudeHonesty, AnOffsetOfTheAccelerometerFarOutsideOfItsPriorIsNotKeptAsK
       if (i < 6000) s.acc_mps2[0] += 1.0;
       const AttitudeEstimate e = filter.step(s, i >= 6000);
       if (i < 6300) continue;
-      inside += tilt_rad(error_of(motion, e)) < 3.4 * std::hypot(e.sigma_roll_rad, e.sigma_pitch_rad);
-      ++judged;
+      coverage.note(tilt_rad(error_of(motion, e)) < 3.4 * std::hypot(e.sigma_roll_rad, e.sigma_pitch_rad));
     }
   }
-  EXPECT_GT(inside, 0.98 * judged);
+  EXPECT_GT(coverage.share(), 0.98);
 }
 
 TEST(AttitudeHonesty, AfterALongPauseItIsDegradedUntilTheTiltIsKnownAgain) {
