@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <fstream>
 
 namespace stillpoint::bench {
@@ -14,8 +15,8 @@ bool behind(const std::string& name, const nlohmann::json& measured, const nlohm
     const double value = measured.at(figure), allowed = limit;
     const bool share = figure.ends_with("inside");
     if (share ? value >= allowed : value <= allowed) continue;
-    fmt::print("REGRESSED {}: {} is {:.4g}, {} {:.4g} is stored\n", name, figure, value, share ? "at least" : "at most",
-               allowed);
+    fmt::print(stderr, "REGRESSED {}: {} is {:.4g}, {} {:.4g} is stored\n", name, figure, value,
+               share ? "at least" : "at most", allowed);
     any = true;
   }
   return any;
@@ -49,7 +50,7 @@ int check_portfolio(const nlohmann::json& measured, const std::string& limits_fi
     any |= behind(name, *entry, limits);
     ++compared;
   }
-  fmt::print("{} sets compared with {}: {}\n", compared, limits_file, any ? "behind" : "none behind");
+  fmt::print(stderr, "{} sets compared with {}: {}\n", compared, limits_file, any ? "behind" : "none behind");
   return any || compared == 0 ? 1 : 0;
 }
 

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <numeric>
+#include <utility>
 
 #include "diagnosis/certainty.h"
 #include "diagnosis/reference/left_at_rest.h"
