@@ -11,7 +11,8 @@ using Vector6 = Eigen::Matrix<double, 6, 1>;
 constexpr double kUnknownField_uT = 100.0;
 constexpr double kFoundWithin_uT = 12.0;  ///< root of the trace: a heading is better than none
 constexpr double kSettled_uT = 3.0;       ///< root of the trace
-constexpr double kAnother = 25.0;         ///< of a chi-square of three
+constexpr double kUnexpected = 3.0;       ///< the mean of a chi-square of three: larger than the prior has it
+constexpr double kAnother = 16.0;         ///< of a chi-square of three
 constexpr double kSurprise = 16.0;        ///< of a chi-square of three
 constexpr double kMisfitTime_s = 10.0;    ///< a misfit this long is a new state of affairs: learn anew
 
@@ -91,12 +92,12 @@ void HardIron::observe(const HardIronParams& params, const Vec3& field_world_uT,
 bool HardIron::contradicted(const HardIronParams& params, const Vec3& body_uT,
                             const Mat3& covariance_uT2) const noexcept {
   if (params.sd_uT <= 0.0 || covariance_uT2.trace() > kFoundWithin_uT * kFoundWithin_uT) return false;
-  const auto beyond = [&](const Vec3& apart, const Mat3& known_uT2) {
-    return apart.dot((known_uT2 + covariance_uT2).ldlt().solve(apart)) > kAnother;
+  const auto apart = [](const Vec3& by_uT, const Mat3& covariance) {
+    return by_uT.dot(covariance.ldlt().solve(by_uT));
   };
   // What lies within the prior this filter finds by itself, with less trust in a room that moves with the motion.
-  return beyond(body_uT, params.sd_uT * params.sd_uT * Mat3::Identity()) &&
-         beyond(body_uT - vec(body_), body_covariance());
+  const Mat3 expected = params.sd_uT * params.sd_uT * Mat3::Identity() + covariance_uT2;
+  return apart(body_uT, expected) > kUnexpected && apart(body_uT - this->body_uT(params), covariance_uT2) > kAnother;
 }
 
 void HardIron::begin_at(const HardIronParams& params, const Vec3& body_uT, const Mat3& covariance_uT2) noexcept {

@@ -56,7 +56,8 @@ class HardIron {
   /// (A17a) What comes to it, uT^2, where turns have not shown the iron and its prior may be wrong.
   [[nodiscard]] Mat3 unseen_uT2(const HardIronParams& params) const noexcept;
 
-  /// (A18) Another finder's value, with its covariance, lies outside what this one was told to expect, and has found.
+  /// (A18) Another finder's value lies outside what this one was told to expect, and what is taken out outside its
+  /// covariance.
   [[nodiscard]] bool contradicted(const HardIronParams& params, const Vec3& body_uT,
                                   const Mat3& covariance_uT2) const noexcept;
   /// This sensor's iron has been found once; another one shows as a misfit first.

@@ -213,6 +213,26 @@ TEST(AttitudeHonesty, IronOfHalfAMilliteslaIsFoundByTurning) {
   }
 }
 
+/// Twice of what the prior expects, no more: half a minute of turning shows it.
+TEST(AttitudeHonesty, IronOfTwoDeviationsIsFoundByTurning) {
+  MotionParams magnetised;
+  magnetised.hard_iron_uT = {15.0, -12.0, 9.0};
+  Coverage coverage;
+  for (unsigned seed = 1; seed <= 10; ++seed) {
+    RandomMotion motion(magnetised, seed);
+    AttitudeFilter filter;
+    double squares = 0.0;
+    for (int i = 0; i < 6000; ++i) {
+      const AttitudeEstimate e = filter.step(motion.next(i < 500), i < 500);
+      const double error = error_of(motion, e).z();
+      coverage.note(std::abs(error) < 3.0 * e.sigma_yaw_rad);
+      if (i >= 3000) squares += error * error;
+    }
+    EXPECT_LT(std::sqrt(squares / 3000.0) * kDegPerRad, 5.0) << "seed " << seed;
+  }
+  EXPECT_GT(coverage.share(), 0.98);
+}
+
 /// The same body in the same motion: how the sensor is mounted in it changes nothing but the rotation.
 TEST(AttitudeHonesty, TheMountingOfTheSensorDoesNotMatter) {
   const Quat mounting = exp_quat(Vec3(0.9, -1.1, 0.6));
