@@ -12,13 +12,14 @@ MAY_INCLUDE = {
     "laws": {"core"},
     "simulation": {"core", "laws"},
     "io": {"core", "laws", "idl", "simulation", "calib_online", "fusion", "pipeline"},
+    "report": set(),
     "exchange": {"core", "io", "simulation"},
     "pipeline": {"core", "calib_online", "fusion"},
     "c_api": {"core", "calib_online", "fusion", "pipeline"},
-    "diagnosis": {"core", "laws", "simulation", "calib_online", "fusion", "io"},
+    "diagnosis": {"core", "laws", "simulation", "calib_online", "fusion", "io", "report"},
     "sources": {"core", "idl", "pipeline", "io"},
     "python": {"core", "c_api", "calib_online", "fusion", "simulation", "io", "pipeline", "diagnosis"},
-    "apps": {"core", "laws", "idl", "calib_online", "fusion", "simulation", "io", "pipeline", "sources", "diagnosis", "exchange"},
+    "apps": {"core", "laws", "idl", "calib_online", "fusion", "simulation", "io", "pipeline", "sources", "diagnosis", "report", "exchange"},
 }
 
 

@@ -76,6 +76,7 @@ void add_calibrate(CLI::App& app, Run& run) {
       ->needs(recording);
   add_file(*command, "--output", r.output,
            "what was found, YAML for the daemon: with --recording a 'sensor:', with --mount the mounts");
+  add_file(*command, "--report", r.report, "with --recording: the calibration as a page (.html)")->needs(recording);
   command->add_option("--sensor-id", r.sensor_id, "with --recording: the sensor, whatever the recording calls it")
       ->needs(recording);
   auto* gravity = command->add_option("--gravity", r.gravity_mps2, "with --recording: where it was made, m/s^2");

@@ -12,7 +12,7 @@ namespace stillpoint::app {
 int calibrate_points(const std::string& points, const std::string& method, const calib::PointsOptions& options,
                      const std::string& json);
 struct RecordingOptions {
-  std::string state, config, output, sensor_id;
+  std::string state, config, output, report, sensor_id;
   std::optional<double> gravity_mps2, latitude_deg;
 };
 struct MountOptions {

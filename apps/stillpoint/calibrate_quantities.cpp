@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <Eigen/Dense>
+#include <algorithm>
 #include <cmath>
 
 #include "calib_online/gyro_matrix.h"
@@ -102,6 +103,35 @@ std::vector<Quantity> quantities(const CalibrationRun& run) {
   if (c.mag.status == CalibrationStatus::kNotObservable)
     iron.missing.emplace_back("turns about more axes, away from iron");
   out.push_back(iron);
+  return out;
+}
+
+std::vector<std::string> missing(const CalibrationRun& run) {
+  std::vector<std::string> out;
+  if (run.windows.empty()) {
+    std::string most = "none";
+    double longest_s = 0.0;
+    for (const auto& [reason, s] : run.refused_s)
+      if (s > longest_s) longest_s = s, most = reason;
+    out.push_back(fmt::format("no window of rest; most of the time: {}", most));
+    const double times_g = run.middle_norm_mps2 / run.gravity_mps2;
+    if (run.middle_norm_mps2 > 0.0 && (times_g < 0.5 || times_g > 2.0))
+      out.push_back(
+          fmt::format("a specific force near gravity: half of the readings are below {:.3g} m/s^2; is the unit in the "
+                      "column's name (acc_x_mps2, acc_x_g) that of the numbers?",
+                      run.middle_norm_mps2));
+    return out;
+  }
+  for (const Quantity& q : quantities(run))
+    for (const std::string& what : q.missing) {
+      const std::string line = q.name.substr(0, q.name.find(',')) + ": " + what;
+      if (std::find(out.begin(), out.end(), line) == out.end()) out.push_back(line);
+    }
+  if (!run.gravity_stated)
+    out.push_back(fmt::format(
+        "where it was made: gravity is taken for {} m/s^2 and is up to 0.026 off elsewhere (--gravity, --latitude); "
+        "all scales are off by as much",
+        run.gravity_mps2));
   return out;
 }
 

@@ -17,5 +17,7 @@ struct Quantity {
 };
 
 [[nodiscard]] std::vector<Quantity> quantities(const CalibrationRun& run);
+/// What would have to be seen for the rest to be known, a line each.
+[[nodiscard]] std::vector<std::string> missing(const CalibrationRun& run);
 
 }  // namespace stillpoint::app

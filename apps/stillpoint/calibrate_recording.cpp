@@ -10,6 +10,7 @@
 
 #include "apps/stillpoint/calibrate.h"
 #include "apps/stillpoint/calibrate_output.h"
+#include "apps/stillpoint/calibrate_page.h"
 #include "apps/stillpoint/calibrate_report.h"
 #include "apps/stillpoint/json_text.h"
 #include "apps/stillpoint/outcome.h"
@@ -91,18 +92,22 @@ CalibrationRun calibrate(const io::Recording& recording, calib::OnlineCalibrator
     if (row % 4096 == 0) progress.at(static_cast<double>(row) / static_cast<double>(recording.size()));
     const RawSample sample = recording.sample(row);
     const auto window = detector.push(sample, calibrator.snapshot());
-    if (const auto turn = turns.push(sample, 0, calibrator.snapshot())) calibrator.absorb(*turn);
+    const auto note_if = [&](bool changed) {
+      if (changed) run.course.push_back({recording.t_s(row) - recording.t_s(0), calibrator.snapshot()});
+    };
+    if (const auto turn = turns.push(sample, 0, calibrator.snapshot())) note_if(calibrator.absorb(*turn));
     const double step_s = row > 0 ? recording.t_s(row) - recording.t_s(row - 1) : 0.0;
     run.refused_s[std::string(calib::name(detector.last_refusal()))] += step_s;
     if (!window) continue;
     if (window->has != 0) run.windows.push_back(*window);
-    calibrator.absorb(*window);
+    note_if(calibrator.absorb(*window));
     note_faults(calibrator.snapshot(), recording.t_s(row), run);
   }
   run.middle_norm_mps2 = middle_norm(recording.acc_mps2);
   run.learnt = calibrator.snapshot();
   run.state = calibrator.state();
   run.has_mag = !recording.mag_uT.empty();
+  run.begin_ns = recording.t_ns.front();
   run.duration_s = recording.t_s(recording.size() - 1) - recording.t_s(0);
   return run;
 }
@@ -162,6 +167,9 @@ int calibrate_recording(const std::string& path, const std::string& json, const 
   else
     print(path, run);
   // Last: what the run found is shown even where it cannot be kept.
+  if (!options.report.empty())
+    if (const auto kept = io::write_text_file(options.report, calibration_html(path, run)); !kept)
+      return report(kept.error());
   if (!options.output.empty()) {
     const std::string id = sensor_id.empty() ? kUnnamed : sensor_id;
     const auto kept = io::write_text_file(options.output, sensor_yaml(id, run.learnt, run.has_mag));

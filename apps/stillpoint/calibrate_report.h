@@ -21,6 +21,12 @@ struct CalibrationFault {
   CalibrationStatus status;
 };
 
+/// What was known at a moment of the recording.
+struct CalibrationMoment {
+  double t_s;
+  CalibrationSnapshot known;
+};
+
 /// What rest detection and calibration made of a recording.
 struct CalibrationRun {
   std::vector<calib::Window> windows;
@@ -34,6 +40,14 @@ struct CalibrationRun {
   double duration_s = 0.0;
   double middle_norm_mps2 = 0.0;  ///< median of the readings
   bool has_mag = false;
+  std::vector<CalibrationMoment> course;  ///< whenever something was learnt
+  std::int64_t begin_ns = 0;
+
+  /// The middle of a window since the beginning.
+  [[nodiscard]] double seconds(const calib::Window& w) const {
+    return kSecondsPerNs *
+           (0.5 * static_cast<double>(w.t_end_ns - w.t_start_ns) + static_cast<double>(w.t_start_ns - begin_ns));
+  }
 };
 
 [[nodiscard]] nlohmann::ordered_json to_json(const std::string& path, const CalibrationRun& run);

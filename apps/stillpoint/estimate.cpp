@@ -11,6 +11,7 @@
 #include "apps/stillpoint/attitude_file.h"
 #include "apps/stillpoint/commands.h"
 #include "apps/stillpoint/estimate_one.h"
+#include "apps/stillpoint/estimate_page.h"
 #include "apps/stillpoint/json_text.h"
 #include "apps/stillpoint/options.h"
 #include "apps/stillpoint/outcome.h"
@@ -22,7 +23,7 @@ namespace stillpoint::app {
 namespace {
 
 struct Arguments {
-  std::string config, output, state, shard;
+  std::string config, output, state, shard, report;
   std::vector<std::string> recordings;
   bool smooth = false, skip_malformed = false;
   unsigned jobs = std::max(1U, std::thread::hardware_concurrency());
@@ -33,11 +34,17 @@ struct Arguments {
   }
 };
 
+Result<void> write_page(const std::string& path, const std::vector<EstimateRequest>& requests,
+                        const std::vector<Result<Estimated>>& estimated) {
+  return path.empty() ? Result<void>() : io::write_text_file(path, estimates_html(requests, estimated));
+}
+
 int one(const Arguments& a, const io::DaemonConfig& config, const std::string& json) {
   const EstimateRequest request = a.request(a.recordings.front(), a.output);
   const auto estimated = estimate_one(request, config);
   if (!estimated) return report(estimated.error());
   if (json != "-") std::fputs(to_text(*estimated, request).c_str(), a.output == "-" ? stderr : stdout);
+  if (const auto done = write_page(a.report, {request}, {estimated}); !done) return report(done.error());
   if (json.empty()) return 0;
   const auto written = io::write_text_file(json, json_text(to_json(*estimated)));
   return written ? 0 : report(written.error());
@@ -112,6 +119,7 @@ int many(const Arguments& a, const std::optional<Shard>& shard, const io::Daemon
     for (unsigned i = 0; i < std::min<std::size_t>(a.jobs, wanted->size()); ++i) workers.emplace_back(work);
   }
   if (json != "-") print_table(*wanted, estimated);
+  if (const auto page = write_page(a.report, *wanted, estimated); !page) return report(page.error());
   const auto failed = std::find_if(estimated.begin(), estimated.end(), [](const auto& e) { return !e; });
   const int code = failed == estimated.end() ? 0 : static_cast<int>(failed->error().kind);
   if (json.empty()) return code;
@@ -161,6 +169,8 @@ void add_estimate(CLI::App& app, Run& run) {
   command->add_option("--jobs", a.jobs, "recordings at once")->check(CLI::Range(1U, 1024U))->capture_default_str();
   command->add_option("--shard", a.shard, "I/N: only the I-th of N parts of the recordings, for array jobs");
   command->add_flag("--skip-malformed", a.skip_malformed, "count malformed rows instead of failing");
+  add_file(*command, "--report", a.report,
+           "curves of attitude and deviations, beside the reference where there is one, as a page (.html)");
   a.json.add(*command, "write what was found");
   command->callback([&run] { run = [] { return run_estimate(a); }; });
 }

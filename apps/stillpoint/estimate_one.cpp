@@ -2,9 +2,13 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <limits>
+
 #include "apps/stillpoint/attitude_file.h"
 #include "apps/stillpoint/outcome.h"
 #include "apps/stillpoint/plausible.h"
+#include "core/so3.h"
 #include "core/units.h"
 #include "io/calibration_state.h"
 #include "io/plausibility_text.h"
@@ -31,11 +35,13 @@ Result<void> restore(const std::string& path, calib::OnlineCalibrator& calibrato
 /// Writes as the samples come, or when all have been seen; the stages are those of the pass that was written.
 class Writer {
  public:
-  Writer(AttitudeFile& file, Estimated& out) : file_(file), out_(out) {}
+  Writer(AttitudeFile& file, const io::Recording& recording, const pipeline::OutputFrame& frame, Estimated& out)
+      : file_(file), recording_(recording), frame_(frame), out_(out), stride_(recording.size() / kMostMoments + 1) {}
   Result<void> add(const pipeline::Processed& processed) {
     if (out_.rows == 0) first_ns_ = processed.attitude.t_ns;
-    ++out_.rows;
-    out_.degraded_rows += pipeline::to_message(processed).status == AttitudeStatus::kDegraded ? 1 : 0;
+    const AttitudeStatus status = pipeline::to_message(processed).status;
+    if (out_.rows++ % stride_ == 0) note_moment(processed.attitude, status);
+    out_.degraded_rows += status == AttitudeStatus::kDegraded ? 1 : 0;
     out_.last = processed.attitude;
     out_.health = processed.health;
     out_.duration_s = 1e-9 * static_cast<double>(processed.attitude.t_ns - first_ns_);
@@ -48,8 +54,32 @@ class Writer {
   }
 
  private:
+  static constexpr std::size_t kMostMoments = 1000;
+
+  void note_moment(const fusion::AttitudeEstimate& estimate, AttitudeStatus status) {
+    CoursePoint moment{1e-9 * static_cast<double>(estimate.t_ns - first_ns_), estimate, status};
+    const auto& times = recording_.t_ns;
+    const auto row =
+        static_cast<std::size_t>(std::lower_bound(times.begin(), times.end(), estimate.t_ns) - times.begin());
+    if (row < recording_.ref_q_world_body.size() && recording_.ref_q_world_body[row].allFinite()) {
+      const Eigen::Vector4d& q = recording_.ref_q_world_body[row];
+      fusion::AttitudeEstimate truth;
+      truth.q_world_body = {q[0], q[1], q[2], q[3]};
+      const auto of = [](const fusion::AttitudeEstimate& e) {
+        return Quat(e.q_world_body[0], e.q_world_body[1], e.q_world_body[2], e.q_world_body[3]);
+      };
+      moment.off_rad = log_quat(of(pipeline::in_frame(truth, frame_)) * of(estimate).conjugate());
+      if (estimate.heading == HeadingReference::kRelative)
+        moment.off_rad->z() = std::numeric_limits<double>::quiet_NaN();
+    }
+    out_.course.push_back(moment);
+  }
+
   AttitudeFile& file_;
+  const io::Recording& recording_;
+  pipeline::OutputFrame frame_;
   Estimated& out_;
+  std::size_t stride_;
   std::int64_t first_ns_ = 0;
 };
 
@@ -97,8 +127,9 @@ Result<Estimated> estimate_one(const EstimateRequest& request, const io::DaemonC
   Estimated out;
   out.samples = recording->size();
   out.issues = recording->issues;
-  Writer writer(*file, out);
-  const auto done = (request.smooth ? smoothed : causal)(*recording, io::stages_params(config), calibrator, writer);
+  const pipeline::StagesParams params = io::stages_params(config);
+  Writer writer(*file, *recording, params.frame, out);
+  const auto done = (request.smooth ? smoothed : causal)(*recording, params, calibrator, writer);
   if (!done) return tl::unexpected(done.error());
   if (auto written = file->finish(); !written) return tl::unexpected(written.error());
   return out;

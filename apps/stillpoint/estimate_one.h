@@ -1,7 +1,9 @@
 /// One recording through the daemon's stages, on one thread.
 #pragma once
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
+#include <vector>
 
 #include "core/result.h"
 #include "fusion/attitude_estimate.h"
@@ -18,6 +20,15 @@ struct EstimateRequest {
   bool skip_malformed = false;
 };
 
+/// The attitude at one moment, as a page shows it.
+struct CoursePoint {
+  double t_s;
+  fusion::AttitudeEstimate attitude;
+  AttitudeStatus status;          ///< as it is published
+  std::optional<Vec3> off_rad{};  ///< truth less estimate about the world's axes, where a reference is; z is not a
+                                  ///< number while the heading is relative
+};
+
 /// What is to be told of it.
 struct Estimated {
   std::size_t rows = 0, samples = 0;
@@ -29,6 +40,7 @@ struct Estimated {
   std::uint64_t rest_windows = 0;
   CalibrationSnapshot calibration;  ///< of the end
   SensorsHealth health;             ///< of the end
+  std::vector<CoursePoint> course;  ///< a thousand moments at most
 };
 
 /// Reads, estimates, writes. Remarks on the recording and on the kept state go to standard error.

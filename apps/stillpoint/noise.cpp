@@ -19,7 +19,7 @@ namespace stillpoint::app {
 namespace {
 
 struct Options {
-  std::string recording, kalibr, figure;
+  std::string recording, kalibr, report;
   JsonOption json;
 };
 
@@ -102,7 +102,7 @@ std::vector<SensorNoise> sensors_at_rest(const io::Recording& r, std::size_t fir
 }
 
 int noise(const Options& options) {
-  const auto quiet = is_standard_output({options.json.file(), options.kalibr, options.figure});
+  const auto quiet = is_standard_output({options.json.file(), options.kalibr, options.report});
   if (!quiet) return report(quiet.error());
   const auto recording = io::read_recording(options.recording);
   if (!recording) return report(recording.error());
@@ -134,7 +134,7 @@ int noise(const Options& options) {
   };
   if (const int code = write(options.json.file(), json)) return code;
   if (const int code = write(options.kalibr, kalibr)) return code;
-  return options.figure.empty() ? 0 : write(options.figure, noise_figure_svg(sensors));
+  return options.report.empty() ? 0 : write(options.report, noise_html(options.recording, sensors, rate_hz, seconds));
 }
 
 }  // namespace
@@ -145,7 +145,7 @@ void add_noise(CLI::App& app, Run& run) {
   add_file(*command, "--recording", options.recording, "recording of the sensor at rest (.csv)")->required();
   options.json.add(*command, "write the curves and terms");
   add_file(*command, "--kalibr", options.kalibr, "write a Kalibr imu.yaml");
-  add_file(*command, "--figure", options.figure, "write the log-log figure (.svg)");
+  add_file(*command, "--report", options.report, "write terms and curves as a page (.html)");
   command->callback([&run] { run = [] { return noise(options); }; });
 }
 

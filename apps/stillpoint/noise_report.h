@@ -1,4 +1,4 @@
-/// What `stillpoint noise` found at rest, and the ways it is told: a table, blocks to paste, a figure.
+/// What `stillpoint noise` found at rest, and the ways it is told: a table, blocks to paste, a page.
 #pragma once
 #include <string>
 #include <vector>
@@ -30,7 +30,8 @@ struct SensorNoise {
 [[nodiscard]] std::string kalibr_yaml(const std::vector<SensorNoise>& sensors, double rate_hz);
 /// Part of a simulation YAML: every term that was seen.
 [[nodiscard]] std::string noise_simulation_block(const std::vector<SensorNoise>& sensors, double rate_hz);
-/// Log-log curves with their 95 % bars and the fitted law, one panel a sensor, as one SVG.
-[[nodiscard]] std::string noise_figure_svg(const std::vector<SensorNoise>& sensors);
+/// Terms, log-log curves with their 95 % bounds and the fitted law, one figure a sensor, and the blocks, as a page.
+[[nodiscard]] std::string noise_html(const std::string& recording, const std::vector<SensorNoise>& sensors,
+                                     double rate_hz, double seconds);
 
 }  // namespace stillpoint::app

@@ -4,7 +4,7 @@
 #include <cstdint>
 
 #include "diagnosis/prove/sha256.h"
-#include "diagnosis/report/embedded.h"
+#include "report/embedded.h"
 
 namespace stillpoint::app {
 
@@ -32,8 +32,9 @@ std::string hash_source(const std::string& text) { return "'sha256-" + base64_of
 }  // namespace
 
 PageDocument page_document() {
-  const std::string style = std::string(diag::embedded::uPlot_min_css) + diag::embedded::page_css + embedded::live_css;
-  std::string script = std::string(diag::embedded::uPlot_iife_min_js) + "\n";
+  const std::string style =
+      std::string(report::embedded::uPlot_min_css) + report::embedded::page_css + embedded::live_css;
+  std::string script = std::string(report::embedded::uPlot_iife_min_js) + "\n";
   for (const char* part : {embedded::words_js, embedded::body_js, embedded::curves_js, embedded::sphere_js,
                            embedded::panels_js, embedded::live_js})
     script += part;

@@ -4,7 +4,6 @@
 
 #include <atomic>
 #include <filesystem>
-#include <sstream>
 #include <thread>
 
 #include "apps/stillpoint/child_process.h"
@@ -15,9 +14,9 @@
 #include "apps/stillpoint/prove_invented.h"
 #include "diagnosis/prove/prove.h"
 #include "diagnosis/prove/sha256.h"
-#include "diagnosis/report/svg.h"
 #include "io/simulation_yaml.h"
 #include "io/text_file.h"
+#include "report/document.h"
 
 namespace stillpoint::app {
 namespace {
@@ -141,21 +140,15 @@ Result<std::vector<Posed>> collect(const Options& o, const fs::path& room) {
 }
 
 Result<void> write_proof(const Options& o, const std::string& text, const std::vector<Posed>& posed) {
-  std::ostringstream page;
-  page << "<!doctype html><html lang=\"en\"><meta charset=\"utf-8\"><title>Proof on concealed "
-          "data</title><style>:root{color-scheme:light dark}"
-          "body{font:15px/1.5 system-ui,sans-serif;max-width:66rem;margin:2rem auto;padding:0 "
-          "1rem}pre{overflow-x:auto}</style>"
-          "<h1>Proof on concealed data</h1><p>Each case was sealed by the hash below before it was solved by a process "
-          "that had the recording "
-          "and the baseline only. All cases count.</p><pre>"
-       << diag::svg::escaped(text)
-       << "</pre><h2>Seals</h2><p>SHA-256 of case, truth and nonce, a newline between.</p><pre>";
+  std::string page =
+      "<div class=\"verdict\"><div class=\"label\">Proof</div><h1>Proof on concealed data</h1><p class=\"small\">Each "
+      "case was sealed by the hash below before it was solved by a process that had the recording and the baseline "
+      "only. All cases count.</p></div><pre>" +
+      report::escaped(text) + "</pre><h2>Seals</h2><p>SHA-256 of case, truth and nonce, a newline between.</p><pre>";
   for (const auto& p : posed)
-    page << p.id << "  " << p.hash << "  nonce " << (p.nonce.empty() ? "none" : p.nonce) << "  "
-         << diag::svg::escaped(diag::to_json(p.truth).dump()) << "\n";
-  page << "</pre></html>\n";
-  return io::write_text_file(o.report, page.str());
+    page += fmt::format("{}  {}  nonce {}  {}\n", report::escaped(p.id), p.hash, p.nonce.empty() ? "none" : p.nonce,
+                        report::escaped(diag::to_json(p.truth).dump()));
+  return io::write_text_file(o.report, report::document_html("Proof on concealed data", page + "</pre>", {}));
 }
 
 int prove(const Options& o) {

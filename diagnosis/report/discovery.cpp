@@ -5,12 +5,12 @@
 #include <algorithm>
 
 #include "diagnosis/discovery/law_words.h"
-#include "diagnosis/report/svg.h"
+#include "report/document.h"
 
 namespace stillpoint::diag {
 namespace {
 
-using svg::escaped;
+using report::escaped;
 
 constexpr std::size_t kMostWeighed = 10;
 
@@ -60,13 +60,6 @@ std::string discovery_html(const Finding& f, std::size_t k) {
   for (std::size_t i = 0; i < f.figures.against_each.size(); ++i)
     s += fmt::format("<div class=\"plot\" id=\"each-{}-{}\"></div>", k, i);
   return s + "</div>";
-}
-
-nlohmann::json discovery_data(const Finding& f) {
-  auto each = nlohmann::json::array();
-  for (const AgainstQuantity& a : f.figures.against_each)
-    each.push_back({{"label", a.label}, {"x", a.x}, {"before", a.before}, {"after", a.after}});
-  return each;
 }
 
 }  // namespace stillpoint::diag

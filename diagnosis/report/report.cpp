@@ -4,19 +4,19 @@
 
 #include <algorithm>
 #include <cmath>
-#include <nlohmann/json.hpp>
 
 #include "diagnosis/report/discovery.h"
-#include "diagnosis/report/embedded.h"
+#include "diagnosis/report/finding_plots.h"
 #include "diagnosis/report/svg.h"
 #include "diagnosis/summary.h"
+#include "report/document.h"
 #include "simulation/effect_catalogue.h"
 
 namespace stillpoint::diag {
 
 namespace {
 
-using svg::escaped;
+using report::escaped;
 
 const char* verdict_words(Verdict v) {
   switch (v) {
@@ -84,33 +84,6 @@ std::string held_out_line(const HeldOut& h) {
       h.blocks, 100.0 * h.removable_share_removed, h.rms_before, h.rms_after, h.noise_floor, escaped(h.unit));
 }
 
-std::string figure(const std::string& id, std::size_t k, const std::string& title, const std::string& how, bool there) {
-  if (!there) return {};
-  return fmt::format("<div><h3>{}</h3><p class=\"how\">{}</p><div class=\"plot\" id=\"{}-{}\"></div></div>", title, how,
-                     id, k);
-}
-
-std::string figures(const FindingFigures& f, std::size_t k) {
-  std::string s = "<div class=\"figures\">";
-  s += figure("residual", k, "Before and after",
-              "Recording minus simulation in time; shaded spans were held out of the fit, and there too the "
-              "green curve must lie closer to zero.",
-              !f.t_s.empty());
-  s += figure(
-      "spectrum", k, "Spectrum",
-      "Power by frequency; where orange stands above the dashed noise, something is missing, and green must come "
-      "down to it.",
-      !f.frequency_hz.empty());
-  s += figure("driver", k, "Residual against its driver",
-              "Each point is one moment; points that follow the blue law, and not a cloud or another "
-              "curve, are the evidence for the name.",
-              !f.driver.empty());
-  s += figure("acf", k, "Autocorrelation",
-              "What is left after whitening; inside the dashed band it is noise, outside it something still goes on.",
-              !f.autocorrelation_before.empty());
-  return s + "</div>";
-}
-
 std::string confidence_words(const Finding& f) {
   const std::string p = !f.p_value           ? "no p-value computed"
                         : *f.p_value < 1e-40 ? "p &lt; 1e-40"
@@ -135,7 +108,7 @@ std::string finding_card(const Finding& f, std::size_t k) {
   if (!f.runner_up_effect.empty()) row("runner-up", escaped(f.runner_up_effect + ": " + f.runner_up_why_rejected));
   row("would decide", escaped(f.decided_by));
   return s + "</table>" + parameter_table(f) + held_out_line(f.held_out) + discovery_html(f, k) +
-         figures(f.figures, k) + "</section>";
+         figures_html(f.figures, k) + "</section>";
 }
 
 std::string baseline_tables(const Diagnosis& d) {
@@ -187,56 +160,19 @@ std::string next_steps(const Diagnosis& d, const ReportContext& context) {
   return s + "<ul>" + items + "</ul>";
 }
 
-nlohmann::json figure_data(const Diagnosis& d) {
-  auto all = nlohmann::json::array();
-  for (const auto& finding : d.findings) {
-    const auto& f = finding.figures;
-    std::vector<int> held(f.held_out.begin(), f.held_out.end());
-    all.push_back({{"t", f.t_s},
-                   {"before", f.residual_before},
-                   {"after", f.residual_after},
-                   {"held", held},
-                   {"freq", f.frequency_hz},
-                   {"psd_before", f.psd_before},
-                   {"psd_after", f.psd_after},
-                   {"psd_noise", f.psd_noise},
-                   {"driver", f.driver},
-                   {"at_driver", f.residual_at_driver},
-                   {"law", f.law_at_driver},
-                   {"driver_label", f.driver_label},
-                   {"acf_before", f.autocorrelation_before},
-                   {"acf_after", f.autocorrelation_after},
-                   {"acf_band", f.autocorrelation_band},
-                   {"each", discovery_data(finding)},
-                   {"channel", f.channel},
-                   {"unit", f.unit}});
-  }
-  return all;
-}
-
-/// "</script>" inside a string would end the element it stands in.
-std::string inside_script(std::string text) {
-  for (std::size_t at = 0; (at = text.find("</", at)) != std::string::npos; at += 3) text.replace(at, 2, "<\\/");
-  return text;
-}
-
 }  // namespace
 
 std::string report_html(const Diagnosis& d, const ReportContext& context) {
-  std::string s =
-      "<!doctype html><html lang=\"en\"><head><meta charset=\"utf-8\"><meta name=\"viewport\" "
-      "content=\"width=device-width\">";
-  s += fmt::format("<title>Diagnosis of {}</title><style>", escaped(context.recording));
-  s += embedded::uPlot_min_css;
-  s += embedded::page_css;
-  s += "</style></head><body>";
-  s += fmt::format(
+  std::string s = fmt::format(
       "<div class=\"verdict {}\"><div class=\"label\">{}</div><h1>{}</h1><p class=\"small\">Recording {} against "
       "simulation {}{}</p></div>",
       verdict_word(d.verdict), verdict_words(d.verdict), escaped(d.summary), escaped(context.recording),
       escaped(context.simulation), context.validation.empty() ? "" : "; checked on " + escaped(context.validation));
-  s += "<noscript><p>The curves need a script; every number stands in the tables below.</p></noscript>";
-  for (std::size_t k = 0; k < d.findings.size(); ++k) s += finding_card(d.findings[k], k);
+  std::vector<report::Plot> plots;
+  for (std::size_t k = 0; k < d.findings.size(); ++k) {
+    s += finding_card(d.findings[k], k);
+    for (auto& plot : finding_plots(d.findings[k].figures, k)) plots.push_back(std::move(plot));
+  }
   if (const auto map = svg::heat_map(d); !map.empty())
     s += "<h2>Where and when</h2><p class=\"how\">Misfit of the given simulation per channel and block of time, before "
          "anything was added: cells in full "
@@ -248,13 +184,7 @@ std::string report_html(const Diagnosis& d, const ReportContext& context) {
          "no name is stated. Blue: stated above.</p><div class=\"wide\">" +
          bars + "</div>";
   s += baseline_tables(d) + next_steps(d, context);
-  s += "<script type=\"application/json\" id=\"figures\">" +
-       inside_script(figure_data(d).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace)) +
-       "</script><script>";
-  s += embedded::uPlot_iife_min_js;
-  s += "</script><script>";
-  s += embedded::page_js;
-  return s + "</script></body></html>\n";
+  return report::document_html("Diagnosis of " + context.recording, s, plots);
 }
 
 }  // namespace stillpoint::diag

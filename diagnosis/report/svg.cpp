@@ -5,8 +5,12 @@
 #include <algorithm>
 #include <cmath>
 
+#include "report/document.h"
+
 namespace stillpoint::diag::svg {
 namespace {
+
+using report::escaped;
 
 constexpr double kWidth = 900.0;
 constexpr std::size_t kMostColumns = 120;
@@ -17,32 +21,6 @@ constexpr double kPlain_nats = 100.0;  // the full colour at least: noise must n
 double soft(double nats) { return nats <= 0 ? 0.0 : std::log10(1.0 + nats); }
 
 }  // namespace
-
-std::string escaped(const std::string& text) {
-  std::string out;
-  for (const char c : text) {
-    switch (c) {
-      case '&':
-        out += "&amp;";
-        break;
-      case '<':
-        out += "&lt;";
-        break;
-      case '>':
-        out += "&gt;";
-        break;
-      case '"':
-        out += "&quot;";
-        break;
-      case '\'':
-        out += "&#39;";
-        break;
-      default:
-        out += c;
-    }
-  }
-  return out;
-}
 
 std::string heat_map(const Diagnosis& d) {
   const std::size_t rows = std::min(d.heat_channels.size(), d.heat_nats.size());

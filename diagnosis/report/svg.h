@@ -6,9 +6,6 @@
 
 namespace stillpoint::diag::svg {
 
-/// Text made safe for HTML.
-[[nodiscard]] std::string escaped(const std::string& text);
-
 /// Misfit of the baseline per channel and block of time; empty string without data.
 [[nodiscard]] std::string heat_map(const Diagnosis& d);
 /// Gains of the hypotheses with the line below which no name is stated.

@@ -31,8 +31,8 @@ TEST(NoiseCommand, ItsBlockIsASimulationOfTheSensorMeasured) {
                  motion);
   const auto tool = [&](const std::string& arguments) { return run(kTool + " " + arguments, folder / "err"); };
   ASSERT_EQ(tool("simulate --simulation " + (folder / "asked.yaml") + " --output " + (folder / "rest.csv")), 0);
-  ASSERT_EQ(tool("noise --recording " + (folder / "rest.csv") + " --kalibr " + (folder / "imu.yaml") + " --figure " +
-                 (folder / "allan.svg") + " > " + (folder / "out")),
+  ASSERT_EQ(tool("noise --recording " + (folder / "rest.csv") + " --kalibr " + (folder / "imu.yaml") + " --report " +
+                 (folder / "allan.html") + " > " + (folder / "out")),
             0);
   const std::string block = between(read_file(folder / "out"), "# simulation block", "# Kalibr");
   write_file(folder / "pasted.yaml", block + motion);
@@ -46,7 +46,9 @@ TEST(NoiseCommand, ItsBlockIsASimulationOfTheSensorMeasured) {
   const std::string mag = block.substr(block.find("magnetometer"));
   EXPECT_NEAR(number_after(mag, "rate_hz"), 25.0, 0.1);
   EXPECT_NEAR(number_after(read_file(folder / "imu.yaml"), "gyroscope_noise_density"), 1e-4, 2e-6);
-  EXPECT_THAT(read_file(folder / "allan.svg"), ::testing::HasSubstr("overlapping Allan deviation"));
+  const std::string page = read_file(folder / "allan.html");
+  for (const char* text : {"Overlapping Allan deviation: gyroscope", "id=\"allan-mag\"", "noise_mps2", "gyr_z fitted"})
+    EXPECT_THAT(page, ::testing::HasSubstr(text));
 }
 
 TEST(NoiseCommand, ARecordingWithoutATimeStepIsTooShort) {

@@ -96,6 +96,7 @@ TEST(Report, CannotBeBrokenByTextFromTheRecording) {
       example(), {.recording = "<img onerror=x>.csv", .simulation = "b", .validation = "", .blocks_to_paste = ""});
   EXPECT_THAT(html, Not(HasSubstr("<img")));
   EXPECT_THAT(html, Not(HasSubstr("</script><script>alert")));
+  EXPECT_THAT(html, HasSubstr("\"id\":\"driver-0\""));
 }
 
 }  // namespace
