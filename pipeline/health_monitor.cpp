@@ -16,7 +16,7 @@ constexpr double kStuckAxis_s = 1.5;
 constexpr double kLongerThanEver = 5.0;  ///< a coarse sensor repeats itself at rest: it has before
 constexpr double kAlive = 0.5, kAlive_s = 5.0;
 /// Of the other two axes, while one repeats itself.
-constexpr double kAccMoved_mps2 = 4.0, kGyrMoved_radps = 1.0;
+constexpr double kAccMoved_mps2 = 4.0, kGyrMoved_radps = 1.0, kMagMoved_uT = 10.0;
 constexpr double kMean_s = 10.0, kNow_s = 1.0;
 constexpr double kClippedShare = 0.02;
 /// Mean norm of specific force: of a hand or a runner 8 to 13 m/s^2, shaken hard 25; in g it is 1, in mg 1000.
@@ -212,6 +212,8 @@ SensorHealth HealthMonitor::judge_mag(const GuardedSample& g, HeadingReference h
   if (mag_.zero_s > kStuck_s) return faulty(Fault::kZero, mag_.zero_s / kStuck_s);
   if (mag_.same_s > kStuck_s && mag_same_turn_rad_ > kStuckTurn_rad)
     return faulty(Fault::kStuck, mag_same_turn_rad_ / kStuckTurn_rad);
+  if (const double s = mag_.stuck_axis_s(kMagMoved_uT); s > kStuckAxis_s)
+    return faulty(Fault::kStuck, s / kStuckAxis_s);
   if (mag_.spikes > kSpikes) return suspect(Fault::kSpikes, mag_.spikes / kSpikes);
   if (heading == HeadingReference::kDisturbed) return suspect(Fault::kDisturbed, 1.0);
   return healthy();

@@ -39,7 +39,8 @@ Outcome run(const std::function<void(RawSample&)>& spoil, std::uint64_t seed) {
     const double t_s = kSecondsPerNs * static_cast<double>(s.sample.t_ns);
     if (t_s > kFrom_s) spoil(s.sample);
     if (stages.process(s.sample, out, link) == StageStatus::kDrop) continue;
-    outcome.ever_faulty |= out.health.acc.state == Health::kFaulty || out.health.gyr.state == Health::kFaulty;
+    for (const SensorHealth& sensor : {out.health.acc, out.health.gyr, out.health.mag})
+      outcome.ever_faulty |= sensor.state == Health::kFaulty;
     if (outcome.ever_faulty) outcome.named_s = std::min(outcome.named_s, t_s - kFrom_s);
     const Vec3 error = test::world_error(s, out);
     const bool outside = error.head<2>().norm() > 3.0 * (out.attitude.sigma_roll_rad + out.attitude.sigma_pitch_rad);
@@ -108,6 +109,9 @@ TEST(HealthMonitor, NamesOneAxisThatSticksAndTheFilterLivesWithoutThatSensor) {
     const Outcome acc = run([](RawSample& s) { s.acc_mps2[1] = 0.4; }, seed);
     EXPECT_EQ(acc.acc, Fault::kStuck) << seed;
     EXPECT_EQ(acc.ok_outside, 0) << seed;
+    const Outcome mag = run([](RawSample& s) { s.mag_uT[2] = -21.5; }, seed);
+    EXPECT_EQ(mag.mag, Fault::kStuck) << seed;
+    EXPECT_LT(mag.named_s, 6.0) << seed;  // the body rests at first
   }
 }
 
