@@ -175,7 +175,10 @@ void AttitudeFilter::follow_iron(const Vec3& seen, const Mat3& R_mean, double ti
         HeadingReading::error(seen - R_mean * s_.hard_iron.body_uT(params_.hard_iron), params_.declination_rad);
     const double expected =
         s_.error.P()(kTheta + 2, kTheta + 2) + params_.heading_noise_rad * params_.heading_noise_rad;
-    if (error * error > kAnotherHeading * expected) s_.magnetic_s = 0.0;
+    if (error * error > kAnotherHeading * expected)
+      s_.magnetic_s = 0.0;
+    else
+      s_.error.by_iron()(kTheta + 2, 3) = error;  // what the heading has of the other field
     return;
   }
   s_.hard_iron.observe(params_.hard_iron, seen, R_mean, time_s);

@@ -1,5 +1,6 @@
 #include "fusion/hard_iron.h"
 
+#include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
 
