@@ -139,6 +139,8 @@ void take_out_given(SelfConsistency& model, const std::vector<WitnessedLaw>& law
       Eigen::VectorXd taken_value;
       for (int pass = 0; pass < kPassesOfGiven; ++pass) {  // the driver moves with the calibration that follows
         auto columns = law.columns(g);
+        // What was settled with the effect still in the readings is bent by it: from the simulation's numbers again.
+        model.start_from(Eigen::VectorXd::Zero(model.nuisances().size()));
         model.replace(taken, taken_value, columns, value);
         taken = std::move(columns);
         taken_value = value;

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "diagnosis/discovery/discover.h"
+#include "diagnosis/discovery/law_words.h"
 #include "diagnosis/reference/apparatus.h"
 #include "diagnosis/reference/findings.h"
 #include "diagnosis/reference/given_effects.h"
@@ -89,8 +90,15 @@ bool shows_in_raw_values(const std::string& id) {
          id == "sys_dup" || id == "gyr_deadzone" || id == "sys_jitter" || id == "ref_error" || id == "gyr_instability";
 }
 
+/// A law outside the catalogue that leaves only noise in its channels.
+bool explains_by_a_law(const Diagnosis& d, const Finding& f) {
+  return law_tree(f.effect) && std::all_of(d.residual.begin(), d.residual.end(), [&f](const ChannelResidual& r) {
+           return r.white || std::find(f.channels.begin(), f.channels.end(), r.channel) == f.channels.end();
+         });
+}
+
 Verdict verdict_of(const Diagnosis& d) {
-  const auto named = [](const Finding& f) { return !f.effect.starts_with("unknown"); };
+  const auto named = [&d](const Finding& f) { return !f.effect.starts_with("unknown") || explains_by_a_law(d, f); };
   const auto lattice = [](const Finding& f) { return f.effect.ends_with("_quant"); };
   const auto names = std::count_if(d.findings.begin(), d.findings.end(), named);
   const auto unknown = std::ssize(d.findings) - names + std::ssize(d.unaccounted);

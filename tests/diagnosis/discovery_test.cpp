@@ -114,6 +114,20 @@ TEST(Discovery, AThirdFactorIsFound) {
             0.2);
 }
 
+TEST(Discovery, ALawThatLeavesOnlyNoiseExplains) {
+  const sim::SimulationConfig truth =
+      with_law("  - {effect: law, sensor: gyr, law: \"norm(w) * I\", k: [0.002, 0.001, -0.002]}");
+  sim::SimulationConfig plain = truth;
+  plain.effects.clear();
+  const io::Recording recording = recording_of(truth, 3);
+  const Answer answer = diagnose(recording, plain);
+  EXPECT_EQ(answer.diagnosis.verdict, Verdict::kExplained) << answer.diagnosis.summary;
+  sim::SimulationConfig improved = plain;
+  improved.effects = answer.effects;
+  const Diagnosis again = diagnose(recording, improved).diagnosis;
+  EXPECT_EQ(again.verdict, Verdict::kNoMismatch) << again.summary;
+}
+
 TEST(Discovery, ALawThatTheSimulationHasIsNotFoundAgain) {
   const sim::SimulationConfig truth =
       with_law("  - {effect: law, sensor: gyr, law: \"lag(w_y * w_z, 0.5)\", k: [0.01, 0, -0.02]}");
