@@ -70,8 +70,10 @@ void fill_parameters(const Candidate& c, Finding& f) {
   for (std::size_t i = 0; i < c.law->names.size(); ++i) {
     const auto k = static_cast<long>(i);
     const double half = 1.96 * c.fit.sd[k];
-    f.parameters.push_back(
-        {c.law->names[i], c.fit.value[k], {c.fit.value[k] - half, c.fit.value[k] + half}, c.law->unit});
+    f.parameters.push_back({c.law->names[i],
+                            c.fit.value[k],
+                            {c.fit.value[k] - half, c.fit.value[k] + half},
+                            c.law->unit + (c.law->names[i].starts_with("k2") ? "^2" : "")});
     const int axis = c.law->names.size() == 9 ? static_cast<int>(i / 3) : static_cast<int>(i % 3);
     significance[axis] = std::max(significance[axis], std::abs(c.fit.value[k]) / c.fit.sd[k]);
   }

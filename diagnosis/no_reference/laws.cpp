@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "simulation/effect_catalogue.h"
+
 namespace stillpoint::diag::detail {
 namespace {
 
@@ -78,7 +80,10 @@ class Laws {
   }
   void add_diagonal(const std::string& id, Sensor sensor, const std::string& equation, const std::string& driver,
                     const std::string& unit, const Signal& s) {
-    add(id, sensor, equation, driver, {"k_x", "k_y", "k_z"}, unit, [this, sensor, s] { return diagonal(sensor, s); });
+    const sim::EffectInfo* known = sim::find_effect(id);
+    const std::string symbol = known ? known->parameters.front().symbol : "k";  // so that effect_of() finds its own
+    add(id, sensor, equation, driver, {symbol + "_x", symbol + "_y", symbol + "_z"}, unit,
+        [this, sensor, s] { return diagonal(sensor, s); });
   }
 
   void thermal_laws(Sensor sensor, const std::string& name, const std::string& unit) {
@@ -86,7 +91,7 @@ class Laws {
     add_diagonal(name + "_temp_lin", sensor, "D = k (T - T0)", "temperature", unit + "/K",
                  [this](std::size_t i, int) { return tau_[i]; });
     add(name + "_temp_quad", sensor, "D = k1 tau + k2 tau^2, tau = T - T0", "temperature",
-        {"k1_x", "k1_y", "k1_z", "k2_x", "k2_y", "k2_z"}, unit + "/K, /K^2", [this, sensor] {
+        {"k1_x", "k1_y", "k1_z", "k2_x", "k2_y", "k2_z"}, unit + "/K", [this, sensor] {
           auto c = diagonal(sensor, [this](std::size_t i, int) { return tau_[i]; });
           append(c, diagonal(sensor, [this](std::size_t i, int) { return tau_[i] * tau_[i]; }));
           return c;
@@ -244,6 +249,8 @@ std::vector<WitnessedLaw> witnessed_laws(const SelfConsistency& model, const sim
   // The columns refer to the signals, so the maker of the laws lives as long as they do.
   const auto maker = std::make_shared<Laws>(model, simulation);
   auto laws = maker->all();
+  // Each sensor is asked about all that temperature does; what no simulation can hold is no name.
+  std::erase_if(laws, [](const WitnessedLaw& law) { return sim::find_effect(law.id) == nullptr; });
   for (auto& law : laws) law.columns = [maker, inner = std::move(law.columns)](double g) { return inner(g); };
   return laws;
 }

@@ -10,6 +10,7 @@
 
 #include "diagnosis/certainty.h"
 #include "diagnosis/forensics/forensics.h"
+#include "simulation/effect_catalogue.h"
 
 namespace stillpoint::diag::detail {
 namespace {
@@ -139,6 +140,7 @@ std::vector<StillLaw> laws_of(const Still& s, const std::string& sensor, const s
                     lag,
                     share * span_s});
   }
+  std::erase_if(laws, [](const StillLaw& law) { return sim::find_effect(law.id) == nullptr; });
   return laws;
 }
 

@@ -8,7 +8,9 @@
 #include <random>
 #include <sstream>
 
+#include "diagnosis/finding_effect.h"
 #include "diagnosis/prove/prove.h"
+#include "simulation/effect_catalogue.h"
 #include "tests/diagnosis/simulated.h"
 
 namespace stillpoint::diag {
@@ -149,6 +151,32 @@ TEST(NoReference, SaysNothingOfRecordingsWithWrongNumbersEverywhere) {
     const auto d = diagnose_without_reference(record(truth, seed), baseline());
     EXPECT_EQ(d.verdict, Verdict::kNoMismatch) << seed << ": " << d.summary;
     EXPECT_FALSE(d.configuration.empty()) << seed;
+  }
+}
+
+/// A name that no simulation knows could not be modelled: the magnetometer has no quadratic law and no lag.
+TEST(NoReference, NamesOnlyWhatASimulationCanHold) {
+  const auto d = diagnosed("mag_temp_lin", {{"k_uT_per_K", {0.2, -0.15, 0.2}}}, 1);
+  ASSERT_FALSE(d.findings.empty()) << d.summary;
+  EXPECT_EQ(d.findings[0].effect, "mag_temp_lin");
+  for (const RankedHypothesis& h : d.ranking) EXPECT_NE(sim::find_effect(h.effect), nullptr) << h.effect;
+}
+
+/// What is named goes into the improved simulation, by the catalogue's own symbols.
+TEST(NoReference, WhatItNamesIsAnEntryOfASimulation) {
+  const std::vector<std::pair<std::string, test::Parameters>> effects{
+      {"mag_temp_scale", {{"S_per_K", {0.004, 0.003, -0.004}}}},
+      {"gyr_temp_scale", {{"S_per_K", {0.002, 0.0015, -0.002}}}},
+      {"gyr_cubic", {{"k3_per_radps_2", {1e-3, -1e-3, 1e-3}}}}};
+  for (const auto& [id, parameters] : effects) {
+    const auto d = diagnosed(id, parameters, 1);
+    ASSERT_FALSE(d.findings.empty()) << id << ": " << d.summary;
+    ASSERT_EQ(d.findings[0].effect, id);
+    const auto entry = effect_of(d.findings[0]);
+    ASSERT_TRUE(entry) << id;
+    const auto& [key, values] = *parameters.begin();
+    for (std::size_t k = 0; k < 3; ++k)
+      EXPECT_NEAR(entry->parameters.at(key)[k], values[k], 0.3 * std::abs(values[k])) << id;
   }
 }
 
