@@ -67,7 +67,7 @@ std::string status_text(const WatchState& state) {
                      d.last_refusal.empty() ? "" : "; last refused: " + io::printable(d.last_refusal));
   out += fmt::format("network   datagrams refused: {} malformed, {} from elsewhere, {} of a flood; failed writes {}\n",
                      d.datagrams_malformed, d.datagrams_off_host, d.datagrams_flooded, d.write_failures);
-  return out + fmt::format("missing   {}\n", d.missing.empty() ? "nothing" : io::printable(d.missing));
+  return out + fmt::format("trouble   {}\n", d.missing.empty() ? "none" : io::printable(d.missing));
 }
 
 namespace {
