@@ -97,23 +97,6 @@ std::string finding_text(const Finding& f) {
   return out + "NEXT     " + f.decided_by + "\n";
 }
 
-/// Lines that fit a terminal of 80 columns, what follows set in under the text of the first.
-std::string wrapped(const std::string& text) {
-  constexpr std::size_t kColumns = 80, kIndent = 9;
-  std::string out;
-  std::istringstream lines(text);
-  for (std::string line; std::getline(lines, line); out += line + "\n") {
-    while (line.size() > kColumns) {
-      const std::size_t space = line.rfind(' ', kColumns);
-      const std::size_t cut = space == std::string::npos || space <= kIndent ? line.find(' ', kColumns) : space;
-      if (cut == std::string::npos) break;  // one long word
-      out += line.substr(0, line.find_last_not_of(' ', cut) + 1) + "\n";
-      line = std::string(kIndent, ' ') + line.substr(cut + 1);
-    }
-  }
-  return out;
-}
-
 /// Wrong noise of the simulation, and what is left, whatever else is missing: " The noise is not ..."; empty where
 /// there is neither.
 std::string noise_told(const Diagnosis& d) {
@@ -144,6 +127,22 @@ const char* verdict_word(Verdict verdict) {
       break;
   }
   return "insufficient_data";
+}
+
+std::string wrapped(const std::string& text) {
+  constexpr std::size_t kColumns = 80, kIndent = 9;
+  std::string out;
+  std::istringstream lines(text);
+  for (std::string line; std::getline(lines, line); out += line + "\n") {
+    while (line.size() > kColumns) {
+      const std::size_t space = line.rfind(' ', kColumns);
+      const std::size_t cut = space == std::string::npos || space <= kIndent ? line.find(' ', kColumns) : space;
+      if (cut == std::string::npos) break;  // one long word
+      out += line.substr(0, line.find_last_not_of(' ', cut) + 1) + "\n";
+      line = std::string(kIndent, ' ') + line.substr(cut + 1);
+    }
+  }
+  return out;
 }
 
 std::string summarise(const Diagnosis& d) {

@@ -9,6 +9,8 @@ namespace stillpoint::diag {
 [[nodiscard]] const char* verdict_word(Verdict verdict);
 [[nodiscard]] std::string summarise(const Diagnosis& d);  ///< one sentence
 [[nodiscard]] std::string to_text(const Diagnosis& d);
+/// Lines that fit a terminal of 80 columns, what follows set in under the text of the first.
+[[nodiscard]] std::string wrapped(const std::string& text);
 [[nodiscard]] std::string to_json(const Diagnosis& d);
 
 }  // namespace stillpoint::diag

@@ -6,6 +6,7 @@
 #include <functional>
 
 #include "apps/stillpoint/commands.h"
+#include "apps/stillpoint/diagnose_campaign.h"
 #include "apps/stillpoint/laws_as_code.h"
 #include "apps/stillpoint/options.h"
 #include "apps/stillpoint/outcome.h"
@@ -28,7 +29,8 @@ namespace stillpoint::app {
 namespace {
 
 struct Options {
-  std::string simulation, simulated, map, recording, report, improved, validate, code;
+  std::string simulation, simulated, map, report, improved, validate, code;
+  std::vector<std::string> recordings;
   JsonOption json;
   std::vector<std::string> without;
   std::size_t twins = 0;
@@ -75,7 +77,7 @@ int tell(const Options& o, bool quiet, const diag::Answer& answer, const std::fu
   if (!quiet) std::fputs(diag::to_text(answer.diagnosis).c_str(), stdout);
   if (!quiet && !blocks.empty()) std::printf("\nNEXT     put the physics where it is missing:\n%s", blocks.c_str());
   const std::vector<diag::CodeBlock> code = laws_as_code(answer.effects);
-  const diag::ReportContext context{o.recording, o.simulation + o.simulated, o.validate, blocks, code};
+  const diag::ReportContext context{o.recordings.front(), o.simulation + o.simulated, o.validate, blocks, code};
   if (!o.improved.empty())
     if (const auto done = improve(); !done) return report(done.error());
   if (!o.report.empty())
@@ -122,9 +124,21 @@ int run_diagnose(const Options& o) {
   if (!quiet) return report(quiet.error());
   for (const auto& path : {json, o.report, o.improved})
     if (const auto writable = io::expect_writable(path); !writable) return report(writable.error());
-  const auto recording = io::read_recording(o.recording, io::OnMalformedRow::kCount);
+  if (o.recordings.size() > 1) {
+    for (const auto& [given, option] : {std::pair{!o.simulated.empty(), "--simulated"},
+                                        {!o.report.empty(), "--report"},
+                                        {!o.validate.empty(), "--validate"},
+                                        {!o.code.empty(), "--code"},
+                                        {o.twins > 0, "--twins"}})
+      if (given)
+        return report({ErrorKind::kUsage, fmt::format("diagnose: {} goes with one --recording; several are judged by "
+                                                      "each other already",
+                                                      option)});
+    return diagnose_campaign({o.recordings, o.without, o.simulation, json, o.improved, *quiet, o.fail_on_mismatch});
+  }
+  const auto recording = io::read_recording(o.recordings.front(), io::OnMalformedRow::kCount);
   if (!recording) return report(recording.error());
-  warn_if_implausible(*recording, o.recording);
+  warn_if_implausible(*recording, o.recordings.front());
   return o.simulated.empty() ? diagnose_simulation(o, *quiet, *recording)
                              : diagnose_simulated_log(o, *quiet, *recording);
 }
@@ -138,7 +152,12 @@ void add_diagnose(CLI::App& app, Run& run) {
   auto* log = add_file(*command, "--simulated", o.simulated, "or: what any simulator says of the same motion (CSV)");
   log->excludes(simulation);
   add_file(*command, "--map", o.map, "which columns of the simulated log are what (YAML; docs/import.md)")->needs(log);
-  add_file(*command, "--recording", o.recording, "the recording to explain (CSV)")->required();
+  command
+      ->add_option("--recording", o.recordings,
+                   "the recording to explain (CSV); several, of one sensor on other days and in other motions, are "
+                   "explained together")
+      ->type_name(kFileType)
+      ->required();
   o.json.add(*command, "write the answer");
   add_file(*command, "--report", o.report, "write the report (HTML, one file)");
   add_file(*command, "--improved", o.improved,

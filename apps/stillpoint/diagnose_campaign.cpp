@@ -1,0 +1,63 @@
+#include "apps/stillpoint/diagnose_campaign.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <atomic>
+#include <cstdio>
+#include <thread>
+
+#include "apps/stillpoint/outcome.h"
+#include "apps/stillpoint/plausible.h"
+#include "diagnosis/campaign/campaign.h"
+#include "io/recording.h"
+#include "io/simulation_yaml.h"
+#include "io/text_file.h"
+
+namespace stillpoint::app {
+namespace {
+
+/// Each by itself, as many at once as there are processors.
+void diagnose_each(const sim::SimulationConfig& simulation, const std::vector<std::string>& without,
+                   std::vector<diag::CampaignPart>& parts) {
+  std::atomic<std::size_t> next{0}, done{0};
+  const auto work = [&] {
+    for (std::size_t i = next++; i < parts.size(); i = next++) {
+      parts[i].answer = diag::diagnose(*parts[i].recording, simulation, without);
+      tell(fmt::format("{} of {}: {}", ++done, parts.size(), parts[i].file));
+    }
+  };
+  std::vector<std::jthread> workers;
+  const std::size_t most = std::max(1U, std::thread::hardware_concurrency());
+  for (std::size_t i = 0; i < std::min(most, parts.size()); ++i) workers.emplace_back(work);
+}
+
+}  // namespace
+
+int diagnose_campaign(const CampaignOptions& o) {
+  const auto simulation = io::read_simulation(o.simulation);
+  if (!simulation) return report(simulation.error());
+  std::vector<io::Recording> recordings;
+  recordings.reserve(o.recordings.size());  // the parts point at them
+  std::vector<diag::CampaignPart> parts;
+  for (const std::string& file : o.recordings) {
+    auto recording = io::read_recording(file, io::OnMalformedRow::kCount);
+    if (!recording) return report(recording.error());
+    warn_if_implausible(*recording, file);
+    recordings.push_back(std::move(*recording));
+    parts.push_back({file, &recordings.back(), {}});
+  }
+  diagnose_each(*simulation, o.without, parts);
+  const diag::Campaign campaign = diag::join(parts, *simulation);
+  if (!o.quiet) std::fputs(diag::to_text(campaign, parts).c_str(), stdout);
+  if (!o.improved.empty())
+    if (const auto done = io::write_simulation(diag::improved_by(campaign, *simulation), o.improved); !done)
+      return report(done.error());
+  if (!o.json.empty())
+    if (const auto done = io::write_text_file(o.json, diag::to_json(campaign, parts)); !done)
+      return report(done.error());
+  const bool mismatch = !campaign.effects.empty() || !campaign.own.empty();
+  return o.fail_on_mismatch && mismatch ? static_cast<int>(ErrorKind::kThreshold) : 0;
+}
+
+}  // namespace stillpoint::app
