@@ -14,7 +14,7 @@ struct WitnessedLaw {
   std::string id, equation, driver;
   Sensor sensor = kGyr;
   std::vector<std::string> names;  ///< of the coefficients, in the order of the columns
-  std::string unit;  ///< of the coefficients; of those named k2 it is squared per kelvin: "/K^2" for "/K"
+  std::string unit;                ///< of the coefficients; of those named k2 it is squared per kelvin: "/K^2" for "/K"
   std::string grid_name, grid_unit;  ///< empty: linear
   std::vector<double> grid;
   std::function<std::vector<LawColumn>(double)> columns;
