@@ -13,7 +13,7 @@ import subprocess
 import sys
 import tempfile
 
-STOPPED_AFTER_S = 12
+STOPPED_AFTER_S = 20
 FENCE = re.compile(r"^( *)```(\w*)\n(.*?)^ *```", re.M | re.S)
 
 
