@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
+#include "diagnosis/answer_words.h"
 #include "diagnosis/discovery/law_words.h"
 #include "simulation/effect_catalogue.h"
 
@@ -18,20 +19,6 @@ using nlohmann::json;
 std::string title(const std::string& id) {
   const sim::EffectInfo* info = sim::find_effect(id);
   return info == nullptr ? id : info->title;
-}
-
-bool is_unknown(const Finding& f) { return f.effect.rfind("unknown", 0) == 0; }
-
-/// JSON has no infinity or NaN.
-json number(double x) { return std::isfinite(x) ? json(x) : json(nullptr); }
-
-json share_json(double share, const std::array<double, 2>& ci95) {
-  return {{"share", number(share)}, {"ci95", {number(ci95[0]), number(ci95[1])}}};
-}
-
-json parameter_json(const Parameter& p) {
-  return {
-      {"name", p.name}, {"value", number(p.value)}, {"ci95", {number(p.ci95[0]), number(p.ci95[1])}}, {"unit", p.unit}};
 }
 
 json finding_json(const Finding& f) {
@@ -77,8 +64,7 @@ std::string finding_text(const Finding& f) {
   std::string out =
       fmt::format("WHERE    {}\nWHEN     {} ({:.1f} to {:.1f} s)\nPHYSICS  {}    {}\n", fmt::join(f.channels, ", "),
                   f.regime, f.interval_s[0], f.interval_s[1], f.equation, f.effect);
-  for (const auto& p : f.parameters)
-    out += fmt::format("         {} = {:+.4g} +- {:.2g} {}\n", p.name, p.value, 0.5 * (p.ci95[1] - p.ci95[0]), p.unit);
+  for (const auto& p : f.parameters) out += parameter_text(p) + "\n";
   const std::string p =
       f.p_value ? fmt::format(", p = {:.2g} after correcting for all hypotheses", *f.p_value) : std::string();
   if (f.held_out.blocks == 0)

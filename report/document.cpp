@@ -20,8 +20,6 @@ const char* variable(Colour c) {
       return "--noise";
     case Colour::kAccent:
       return "--accent";
-    case Colour::kGood:
-      return "--good";
   }
   return "--ink";
 }

@@ -1,5 +1,6 @@
 /// What a plot of a page shows; report/plots.js draws it.
 #pragma once
+#include <array>
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -7,7 +8,9 @@
 namespace stillpoint::report {
 
 /// The page's colours; each has a light and a dark value.
-enum class Colour : std::uint8_t { kBefore, kAfter, kNoise, kAccent, kGood };
+enum class Colour : std::uint8_t { kBefore, kAfter, kNoise, kAccent };
+/// Of a sensor's x, y and z.
+inline constexpr std::array<Colour, 3> kAxisColour{Colour::kBefore, Colour::kAfter, Colour::kAccent};
 
 enum class Mark : std::uint8_t { kLine, kBold, kDashed, kDots };
 

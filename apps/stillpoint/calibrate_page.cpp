@@ -16,24 +16,23 @@ namespace {
 using report::Colour;
 using report::Curve;
 using report::escaped;
+using report::kAxisColour;
 using report::Mark;
 using report::Plot;
 
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
-constexpr std::array<Colour, 3> kAxisColour{Colour::kBefore, Colour::kAfter, Colour::kAccent};
 
 /// A triad as the page shows it: its values times `factor` are in `unit`.
 struct Shown {
   const char *id, *name, *unit;
   double factor;
   TriadCalibration CalibrationSnapshot::*triad;
-  Array3 calib::Window::*reading;
 };
 
 std::vector<Shown> shown(const CalibrationRun& run) {
-  std::vector<Shown> out{{"acc", "Accelerometer", "m/s²", 1.0, &CalibrationSnapshot::acc, &calib::Window::acc_mps2},
-                         {"gyr", "Gyroscope", "°/s", kDegPerRad, &CalibrationSnapshot::gyr, &calib::Window::gyr_radps}};
-  if (run.has_mag) out.push_back({"mag", "Magnetometer", "µT", 1.0, &CalibrationSnapshot::mag, &calib::Window::mag_uT});
+  std::vector<Shown> out{{"acc", "Accelerometer", "m/s²", 1.0, &CalibrationSnapshot::acc},
+                         {"gyr", "Gyroscope", "°/s", kDegPerRad, &CalibrationSnapshot::gyr}};
+  if (run.has_mag) out.push_back({"mag", "Magnetometer", "µT", 1.0, &CalibrationSnapshot::mag});
   return out;
 }
 

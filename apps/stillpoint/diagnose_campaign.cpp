@@ -2,11 +2,10 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <atomic>
 #include <cstdio>
-#include <thread>
 
+#include "apps/stillpoint/at_once.h"
 #include "apps/stillpoint/outcome.h"
 #include "apps/stillpoint/plausible.h"
 #include "diagnosis/campaign/campaign.h"
@@ -20,16 +19,11 @@ namespace {
 /// Each by itself, as many at once as there are processors.
 void diagnose_each(const sim::SimulationConfig& simulation, const std::vector<std::string>& without,
                    std::vector<diag::CampaignPart>& parts) {
-  std::atomic<std::size_t> next{0}, done{0};
-  const auto work = [&] {
-    for (std::size_t i = next++; i < parts.size(); i = next++) {
-      parts[i].answer = diag::diagnose(*parts[i].recording, simulation, without);
-      tell(fmt::format("{} of {}: {}", ++done, parts.size(), parts[i].file));
-    }
-  };
-  std::vector<std::jthread> workers;
-  const std::size_t most = std::max(1U, std::thread::hardware_concurrency());
-  for (std::size_t i = 0; i < std::min(most, parts.size()); ++i) workers.emplace_back(work);
+  std::atomic<std::size_t> done{0};
+  at_once(parts.size(), processors(), [&](std::size_t i) {
+    parts[i].answer = diag::diagnose(*parts[i].recording, simulation, without);
+    tell(fmt::format("{} of {}: {}", ++done, parts.size(), parts[i].file));
+  });
 }
 
 }  // namespace

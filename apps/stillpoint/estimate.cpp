@@ -6,8 +6,8 @@
 #include <filesystem>
 #include <map>
 #include <optional>
-#include <thread>
 
+#include "apps/stillpoint/at_once.h"
 #include "apps/stillpoint/attitude_file.h"
 #include "apps/stillpoint/commands.h"
 #include "apps/stillpoint/estimate_one.h"
@@ -26,7 +26,7 @@ struct Arguments {
   std::string config, output, state, shard, report;
   std::vector<std::string> recordings;
   bool smooth = false, skip_malformed = false;
-  unsigned jobs = std::max(1U, std::thread::hardware_concurrency());
+  std::size_t jobs = processors();
   JsonOption json;
 
   [[nodiscard]] EstimateRequest request(const std::string& recording, const std::string& to) const {
@@ -107,17 +107,11 @@ int many(const Arguments& a, const std::optional<Shard>& shard, const io::Daemon
   const auto wanted = requests(a, shard);
   if (!wanted) return report(wanted.error());
   std::vector<Result<Estimated>> estimated(wanted->size(), Estimated{});
-  std::atomic<std::size_t> next{0}, done{0};
-  const auto work = [&] {
-    for (std::size_t i = next++; i < wanted->size(); i = next++) {
-      estimated[i] = estimate_one((*wanted)[i], config);
-      tell(fmt::format("{} of {}: {}", ++done, wanted->size(), (*wanted)[i].recording));
-    }
-  };
-  {
-    std::vector<std::jthread> workers;
-    for (unsigned i = 0; i < std::min<std::size_t>(a.jobs, wanted->size()); ++i) workers.emplace_back(work);
-  }
+  std::atomic<std::size_t> done{0};
+  at_once(wanted->size(), a.jobs, [&](std::size_t i) {
+    estimated[i] = estimate_one((*wanted)[i], config);
+    tell(fmt::format("{} of {}: {}", ++done, wanted->size(), (*wanted)[i].recording));
+  });
   if (json != "-") print_table(*wanted, estimated);
   if (const auto page = write_page(a.report, *wanted, estimated); !page) return report(page.error());
   const auto failed = std::find_if(estimated.begin(), estimated.end(), [](const auto& e) { return !e; });
@@ -166,7 +160,9 @@ void add_estimate(CLI::App& app, Run& run) {
   add_file(*command, "--state", a.state, "what the daemon or calibrate has kept of the sensor; default: nothing known");
   command->add_flag("--smooth", a.smooth,
                     "what came after a sample tells of it as well: the best attitude of a recording");
-  command->add_option("--jobs", a.jobs, "recordings at once")->check(CLI::Range(1U, 1024U))->capture_default_str();
+  command->add_option("--jobs", a.jobs, "recordings at once")
+      ->check(CLI::Range(std::size_t{1}, std::size_t{1024}))
+      ->capture_default_str();
   command->add_option("--shard", a.shard, "I/N: only the I-th of N parts of the recordings, for array jobs");
   command->add_flag("--skip-malformed", a.skip_malformed, "count malformed rows instead of failing");
   add_file(*command, "--report", a.report,

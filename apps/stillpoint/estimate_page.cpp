@@ -119,9 +119,8 @@ Plot tilt_error(const std::vector<CoursePoint>& course, const std::string& id) {
   return p;
 }
 
-std::string table_row(const EstimateRequest& request, const Estimated& e) {
+std::string table_row(const EstimateRequest& request, const Estimated& e, const AgainstReference& r) {
   const auto& b = e.calibration.gyr.bias;
-  const AgainstReference r = against_reference(e.course);
   return fmt::format(
       "<tr><td>{}</td><td class=\"n\">{:.1f}</td><td class=\"n\">{:.1f} %</td><td class=\"n\">{}</td><td "
       "class=\"n\">{}</td><td class=\"n\">{:.3f} {:.3f} {:.3f}</td><td>{}</td><td class=\"n\">{}</td><td "
@@ -154,7 +153,8 @@ std::string estimates_html(const std::vector<EstimateRequest>& requests,
       continue;
     }
     const Estimated& e = *estimated[i];
-    s += table_row(requests[i], e);
+    const AgainstReference reference = against_reference(e.course);
+    s += table_row(requests[i], e, reference);
     figures += fmt::format("<h2>{}</h2><div class=\"figures\">", file_name(requests[i].recording));
     const auto add = [&](Plot plot, const char* title, const char* how) {
       figures += report::figure_html(plot.id, title, how);
@@ -164,7 +164,7 @@ std::string estimates_html(const std::vector<EstimateRequest>& requests,
         "Roll, pitch and yaw; shaded where the status is not ok.");
     add(deviations(e.course, fmt::format("deviations-{}", i)), "What is stated",
         "The standard deviations of tilt (mean of both axes) and yaw.");
-    if (against_reference(e.course).moments > 0) {
+    if (reference.moments > 0) {
       add(heading_error(e.course, fmt::format("heading-{}", i)), "Heading against the reference",
           "The dots have to stay between the dashed lines; where there are none, any heading was possible. A reference "
           "whose north is another one shows as a constant.");

@@ -11,8 +11,6 @@ using report::Colour;
 using report::Mark;
 using report::Plot;
 
-constexpr std::array<Colour, 3> kAxisColour{Colour::kBefore, Colour::kAfter, Colour::kAccent};
-
 /// The axes of a sensor are read together and so have one set of averaging times.
 Plot allan_plot(const SensorNoise& sensor) {
   Plot p{"allan-" + sensor.name, "averaging time, s", fmt::format("Allan deviation, {}", sensor.unit), {}, {}};
@@ -29,7 +27,7 @@ Plot allan_plot(const SensorNoise& sensor) {
       high.push_back(point.deviation + half);
       law.push_back(sim::predicted_deviation(axis.terms, point.tau_s));
     }
-    const Colour colour = kAxisColour[k % 3];
+    const Colour colour = report::kAxisColour[k % 3];
     p.curves.push_back({axis.channel, colour, measured, Mark::kDots});
     p.curves.push_back({axis.channel + " fitted", colour, law});
     p.curves.push_back({"95 %: from", colour, low, Mark::kDashed});

@@ -4,8 +4,8 @@
 
 #include <atomic>
 #include <filesystem>
-#include <thread>
 
+#include "apps/stillpoint/at_once.h"
 #include "apps/stillpoint/child_process.h"
 #include "apps/stillpoint/commands.h"
 #include "apps/stillpoint/options.h"
@@ -68,17 +68,12 @@ void solve(const Posed& posed) {
 
 /// As many solvers beside one another as there are processors.
 void solve_all(const std::vector<Posed>& posed) {
-  std::atomic<std::size_t> next{0}, done{0};
+  std::atomic<std::size_t> done{0};
   Progress progress("solving");
-  const auto work = [&] {
-    for (std::size_t i = next++; i < posed.size(); i = next++) {
-      solve(posed[i]);
-      progress.at(static_cast<double>(++done) / static_cast<double>(posed.size()));
-    }
-  };
-  std::vector<std::thread> workers;
-  for (unsigned i = 0; i < std::max(1U, std::thread::hardware_concurrency()); ++i) workers.emplace_back(work);
-  for (auto& w : workers) w.join();
+  at_once(posed.size(), processors(), [&](std::size_t i) {
+    solve(posed[i]);
+    progress.at(static_cast<double>(++done) / static_cast<double>(posed.size()));
+  });
 }
 
 Result<std::vector<Posed>> draw(const Options& o, const fs::path& room) {

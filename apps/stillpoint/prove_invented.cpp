@@ -5,9 +5,9 @@
 #include <algorithm>
 #include <atomic>
 #include <cstdio>
-#include <thread>
 #include <vector>
 
+#include "apps/stillpoint/at_once.h"
 #include "apps/stillpoint/child_process.h"
 #include "apps/stillpoint/progress.h"
 #include "diagnosis/prove/invented.h"
@@ -68,17 +68,12 @@ int prove_invented(const std::string& salt, std::size_t cases, bool quick, const
   }
   std::fflush(stdout);
   std::vector<diag::InventedScore> scores(cases);
-  std::atomic<std::size_t> next{0}, done{0};
+  std::atomic<std::size_t> done{0};
   Progress progress("solving");
-  const auto work = [&] {
-    for (std::size_t i = next++; i < cases; i = next++) {
-      scores[i] = solved(all[i], room);
-      progress.at(static_cast<double>(++done) / static_cast<double>(cases));
-    }
-  };
-  std::vector<std::thread> workers;
-  for (unsigned i = 0; i < std::max(1U, std::thread::hardware_concurrency()); ++i) workers.emplace_back(work);
-  for (auto& w : workers) w.join();
+  at_once(cases, processors(), [&](std::size_t i) {
+    scores[i] = solved(all[i], room);
+    progress.at(static_cast<double>(++done) / static_cast<double>(cases));
+  });
   bool sealed = true;
   for (std::size_t i = 0; i < cases; ++i) sealed = sealed && seal(all[i]) == seals[i];
   std::printf("\n%s\n", sealed ? "opened: every truth matches its seal" : "a truth does not match its seal");

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numbers>
 
 #include "report/document.h"
 
@@ -30,7 +31,7 @@ std::string disc(double middle, const char* title) {
       "x=\"{0}\" y=\"14\" text-anchor=\"middle\">{3}</text>",
       middle, kTop, kRadius, title);
   // 30 and 60 degrees from the pole.
-  for (const double level : {std::cos(M_PI / 6), std::cos(M_PI / 3)})
+  for (const double level : {std::cos(std::numbers::pi / 6), std::cos(std::numbers::pi / 3)})
     s += fmt::format("<circle class=\"line\" cx=\"{}\" cy=\"{}\" r=\"{:.1f}\" fill=\"none\" stroke-dasharray=\"2 4\"/>",
                      middle, kTop, kRadius * std::sqrt(1.0 - level));
   const std::array<std::pair<const char*, Place>, 4> faces{{{"+x", {middle + kRadius + 6, kTop + 4}},

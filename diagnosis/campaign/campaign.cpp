@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "diagnosis/answer_words.h"
 #include "diagnosis/discovery/law_words.h"
 #include "diagnosis/finding_effect.h"
 #include "diagnosis/forensics/forensics.h"
@@ -20,8 +21,6 @@ constexpr double kSeen = 3.0;
 double sd_of(const Parameter& p) { return (p.ci95[1] - p.ci95[0]) / (2.0 * 1.96); }
 
 std::string sensor_of(const Finding& f) { return f.channels.empty() ? "" : f.channels.front().substr(0, 3); }
-
-bool is_unknown(const Finding& f) { return f.effect.starts_with("unknown"); }
 
 /// The entry that an answer wrote for its finding; none where it has no law.
 const sim::EffectConfig* entry_of(const Answer& answer, const Finding& f) {
@@ -45,15 +44,11 @@ const Parameter* find_parameter(const Finding& f, const std::string& name) {
 
 struct Weighed {
   double sum = 0.0, weight = 0.0;
-  void add(const Parameter& p) {
-    const double w = 1.0 / std::max(sd_of(p) * sd_of(p), 1e-300);
+  /// `sign` -1 takes it out again.
+  void add(const Parameter& p, double sign = 1.0) {
+    const double w = sign / std::max(sd_of(p) * sd_of(p), 1e-300);
     sum += w * p.value;
     weight += w;
-  }
-  void remove(const Parameter& p) {
-    const double w = 1.0 / std::max(sd_of(p) * sd_of(p), 1e-300);
-    sum -= w * p.value;
-    weight -= w;
   }
   [[nodiscard]] double mean() const { return sum / weight; }
   [[nodiscard]] double sd() const { return 1.0 / std::sqrt(weight); }
@@ -76,7 +71,7 @@ void pool(const std::vector<const Finding*>& each, SharedEffect& effect) {
     for (const auto& [part, q] : seen) {
       chi2 += std::pow((q->value - all.mean()) / sd_of(*q), 2);
       Weighed others = all;
-      others.remove(*q);
+      others.add(*q, -1.0);
       const bool apart =
           seen.size() > 1 && std::abs(q->value - others.mean()) > apart_sd * std::hypot(sd_of(*q), others.sd());
       if (apart && std::find(effect.apart.begin(), effect.apart.end(), part) == effect.apart.end())

@@ -6,13 +6,14 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
+#include "diagnosis/answer_words.h"
 #include "diagnosis/campaign/campaign.h"
 #include "diagnosis/summary.h"
 
 namespace stillpoint::diag {
 namespace {
 
-using Json = nlohmann::ordered_json;
+using nlohmann::json;
 
 std::vector<std::string> files(const std::vector<std::size_t>& which, const std::vector<CampaignPart>& parts) {
   std::vector<std::string> out;
@@ -36,14 +37,10 @@ std::vector<std::size_t> others(const std::vector<std::size_t>& which, std::size
   return out;
 }
 
-/// JSON has no infinity or NaN.
-Json number(double x) { return std::isfinite(x) ? Json(x) : Json(nullptr); }
-
 std::string parameters_text(const SharedEffect& e) {
   std::string out;
   for (std::size_t k = 0; k < e.pooled.parameters.size(); ++k) {
-    const Parameter& p = e.pooled.parameters[k];
-    out += fmt::format("         {} = {:+.4g} +- {:.2g} {}", p.name, p.value, 0.5 * (p.ci95[1] - p.ci95[0]), p.unit);
+    out += parameter_text(e.pooled.parameters[k]);
     if (e.found_in.size() > 1) out += fmt::format("   (chi-square {:.1f} of {})", e.chi2[k], e.found_in.size() - 1);
     out += "\n";
   }
@@ -93,20 +90,16 @@ std::string to_text(const Campaign& c, const std::vector<CampaignPart>& parts) {
 }
 
 std::string to_json(const Campaign& c, const std::vector<CampaignPart>& parts) {
-  Json out{{"schema", "stillpoint.campaign/1"}, {"recordings", Json::array()}, {"effects", Json::array()}};
+  json out{{"schema", "stillpoint.campaign/1"}, {"recordings", json::array()}, {"effects", json::array()}};
   for (const CampaignPart& p : parts)
     out["recordings"].push_back({{"file", p.file},
                                  {"verdict", verdict_word(p.answer.diagnosis.verdict)},
                                  {"summary", p.answer.diagnosis.summary}});
   for (const SharedEffect& e : c.effects) {
-    Json parameters = Json::array();
+    json parameters = json::array();
     for (std::size_t k = 0; k < e.pooled.parameters.size(); ++k) {
-      const Parameter& p = e.pooled.parameters[k];
-      parameters.push_back({{"name", p.name},
-                            {"value", number(p.value)},
-                            {"ci95", {number(p.ci95[0]), number(p.ci95[1])}},
-                            {"unit", p.unit},
-                            {"chi2", number(e.chi2[k])}});
+      parameters.push_back(parameter_json(e.pooled.parameters[k]));
+      parameters.back()["chi2"] = number(e.chi2[k]);
     }
     out["effects"].push_back({{"effect", e.pooled.effect},
                               {"channels", e.pooled.channels},
@@ -117,13 +110,12 @@ std::string to_json(const Campaign& c, const std::vector<CampaignPart>& parts) {
                               {"parameters", parameters}});
   }
   out["own"] = c.own;
-  out["by_others"] = Json::array();
-  for (const Validation& v : c.by_others)
-    out["by_others"].push_back({{"file", v.file},
-                                {"sensor", v.sensor},
-                                {"share", number(v.share)},
-                                {"ci95", {number(v.ci95[0]), number(v.ci95[1])}}});
-  return out.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+  out["by_others"] = json::array();
+  for (const Validation& v : c.by_others) {
+    out["by_others"].push_back(share_json(v.share, v.ci95));
+    out["by_others"].back().update({{"file", v.file}, {"sensor", v.sensor}});
+  }
+  return out.dump(2, ' ', false, json::error_handler_t::replace) + "\n";
 }
 
 }  // namespace stillpoint::diag

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "diagnosis/answer_words.h"
 #include "diagnosis/discovery/discover.h"
 #include "diagnosis/discovery/law_words.h"
 #include "diagnosis/reference/apparatus.h"
@@ -98,7 +99,7 @@ bool explains_by_a_law(const Diagnosis& d, const Finding& f) {
 }
 
 Verdict verdict_of(const Diagnosis& d) {
-  const auto named = [&d](const Finding& f) { return !f.effect.starts_with("unknown") || explains_by_a_law(d, f); };
+  const auto named = [&d](const Finding& f) { return !is_unknown(f) || explains_by_a_law(d, f); };
   const auto lattice = [](const Finding& f) { return f.effect.ends_with("_quant"); };
   const auto names = std::count_if(d.findings.begin(), d.findings.end(), named);
   const auto unknown = std::ssize(d.findings) - names + std::ssize(d.unaccounted);

@@ -3,14 +3,14 @@
 
 #include <nlohmann/json.hpp>
 
-#include "tests/apps/apps_testing.h"
+#include "tests/apps/tool_in_folder.h"
 
 namespace stillpoint::test {
 namespace {
 
 using ::testing::HasSubstr;
 
-class DiagnoseCampaign : public ::testing::Test {
+class DiagnoseCampaign : public ToolInFolder {
  protected:
   void SetUp() override {
     const std::string sensors =
@@ -22,13 +22,6 @@ class DiagnoseCampaign : public ::testing::Test {
     for (const std::string seed : {"1", "2"})
       ASSERT_EQ(tool("simulate --simulation true.yaml --seed " + seed + " --output day" + seed + ".csv"), 0) << told_;
   }
-  int tool(const std::string& arguments) {
-    const int code = run("cd " + (folder_ / ".") + " && " + STILLPOINT + " " + arguments, folder_ / "err");
-    told_ = read_file(folder_ / "err");
-    return code;
-  }
-  ScratchFolder folder_;
-  std::string told_;
 };
 
 TEST_F(DiagnoseCampaign, GivesOneAnswerAndOneSimulation) {

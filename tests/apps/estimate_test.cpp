@@ -3,14 +3,14 @@
 
 #include <nlohmann/json.hpp>
 
-#include "tests/apps/apps_testing.h"
+#include "tests/apps/tool_in_folder.h"
 
 namespace stillpoint::test {
 namespace {
 
 using ::testing::HasSubstr;
 
-class Estimate : public ::testing::Test {
+class Estimate : public ToolInFolder {
  protected:
   void SetUp() override {
     write_file(folder_ / "sim.yaml",
@@ -20,14 +20,7 @@ class Estimate : public ::testing::Test {
     for (const std::string seed : {"1", "2"})
       ASSERT_EQ(tool("simulate --simulation sim.yaml --seed " + seed + " --output walk" + seed + ".csv"), 0) << told_;
   }
-  int tool(const std::string& arguments) {
-    const int code = run("cd " + (folder_ / ".") + " && " + STILLPOINT + " " + arguments, folder_ / "err");
-    told_ = read_file(folder_ / "err");
-    return code;
-  }
   int estimate(const std::string& arguments) { return tool("estimate --config config.yaml " + arguments); }
-  ScratchFolder folder_;
-  std::string told_;
 };
 
 TEST_F(Estimate, ManyRecordingsGiveTheSameFilesAsOneByOneAndATable) {

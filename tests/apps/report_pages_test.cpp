@@ -1,14 +1,14 @@
 /// The pages of `calibrate`, `estimate` and `noise`: what they say, and that a browser draws every plot of theirs.
 #include <gmock/gmock.h>
 
-#include "tests/apps/apps_testing.h"
+#include "tests/apps/tool_in_folder.h"
 
 namespace stillpoint::test {
 namespace {
 
 using ::testing::HasSubstr;
 
-class ReportPages : public ::testing::Test {
+class ReportPages : public ToolInFolder {
  protected:
   void SetUp() override {
     write_file(folder_ / "sim.yaml",
@@ -17,11 +17,6 @@ class ReportPages : public ::testing::Test {
                "motion: {kind: rest_poses, duration_s: 120}\n");
     write_file(folder_ / "config.yaml", "sensor: {id: a}\n");
     ASSERT_EQ(tool("simulate --simulation sim.yaml --output poses.csv"), 0) << told_;
-  }
-  int tool(const std::string& arguments) {
-    const int code = run("cd " + (folder_ / ".") + " && " + STILLPOINT + " " + arguments, folder_ / "err");
-    told_ = read_file(folder_ / "err");
-    return code;
   }
   void draws_all(const std::string& page) {
     const std::string html = read_file(folder_ / page);
@@ -39,8 +34,6 @@ class ReportPages : public ::testing::Test {
               0);
     EXPECT_EQ(count(read_file(folder_ / "dom"), "<canvas"), places) << page;
   }
-  ScratchFolder folder_;
-  std::string told_;
 };
 
 TEST_F(ReportPages, ACalibrationShowsWhatIsKnownAndWhatIsMissing) {
