@@ -11,8 +11,6 @@
 
 namespace stillpoint::diag {
 
-[[nodiscard]] inline bool is_unknown(const Finding& f) { return f.effect.starts_with("unknown"); }
-
 /// JSON has no infinity or NaN.
 [[nodiscard]] inline nlohmann::json number(double x) {
   return std::isfinite(x) ? nlohmann::json(x) : nlohmann::json(nullptr);

@@ -4,6 +4,7 @@
 #include <array>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -63,6 +64,12 @@ struct WeighedLaw {
   double gain_nats = 0.0, net_nats = 0.0;  ///< net: less what length and coefficients cost
 };
 
+/// A law of which the stated one is a part: how large its further terms may be.
+struct WiderLaw {
+  std::string effect;
+  std::vector<Parameter> further;
+};
+
 struct Finding {
   std::string effect;                   ///< ID of the catalogue, or "unknown:" and the product of drivers
   std::vector<std::string> equivalent;  ///< IDs that this recording cannot tell apart from it
@@ -72,6 +79,7 @@ struct Finding {
   std::string equation;
   std::string driver;
   std::vector<Parameter> parameters;
+  std::optional<WiderLaw> wider;
   HeldOut held_out;
   std::optional<double> p_value;  ///< corrected for all that was looked at; absent: not computed
   std::string runner_up_effect, runner_up_why_rejected;
@@ -80,6 +88,17 @@ struct Finding {
   std::vector<WeighedLaw> weighed;   ///< of a discovered law, best first, itself among them
   FindingFigures figures;
 };
+
+/// Of what cannot be told apart from it, what does not contain it.
+[[nodiscard]] inline std::vector<std::string> not_excluded(const Finding& f) {
+  std::vector<std::string> out = f.equivalent;
+  if (f.wider) std::erase(out, f.wider->effect);
+  return out;
+}
+
+/// Physics outside the catalogue: a law of its own, or a product of drivers that has no name.
+[[nodiscard]] inline bool is_unknown(std::string_view effect) { return effect.starts_with("unknown"); }
+[[nodiscard]] inline bool is_unknown(const Finding& f) { return is_unknown(f.effect); }
 
 struct ConfigurationFault {
   std::string sensor;  ///< acc, gyr, mag

@@ -43,6 +43,10 @@ json finding_json(const Finding& f) {
              {"blocks", f.held_out.blocks}}},
            {"runner_up", {{"effect", f.runner_up_effect}, {"why_rejected", f.runner_up_why_rejected}}},
            {"decided_by", f.decided_by}};
+  if (f.wider) {
+    out["wider"] = {{"effect", f.wider->effect}, {"further", json::array()}};
+    for (const auto& p : f.wider->further) out["wider"]["further"].push_back(parameter_json(p));
+  }
   if (const auto law = law_json(f)) out["law"] = *law;
   if (f.p_value) out["p_value"] = number(*f.p_value);
   if (f.confidence) out["confidence"] = number(*f.confidence);
@@ -79,7 +83,11 @@ std::string finding_text(const Finding& f) {
                        f.held_out.on);
   if (!f.runner_up_effect.empty())
     out += fmt::format("RUNNER-UP {}: {}\n", f.runner_up_effect, f.runner_up_why_rejected);
-  if (!f.equivalent.empty()) out += fmt::format("NOT EXCLUDED {}\n", fmt::join(f.equivalent, ", "));
+  if (const auto others = not_excluded(f); !others.empty())
+    out += fmt::format("NOT EXCLUDED {}\n", fmt::join(others, ", "));
+  if (f.wider) out += fmt::format("BOUNDS   terms that {} has beside these\n", f.wider->effect);
+  if (f.wider)
+    for (const auto& term : f.wider->further) out += parameter_text(term) + "\n";
   return out + "NEXT     " + f.decided_by + "\n";
 }
 
@@ -145,7 +153,7 @@ std::string summarise(const Diagnosis& d) {
   for (const Finding& f : d.findings) {
     std::string name = is_unknown(f) ? "an effect outside the catalogue driven by " + f.driver
                                      : title(f.effect) + " (" + f.effect + ")";
-    for (const auto& e : f.equivalent) name += " or " + e;
+    for (const auto& e : not_excluded(f)) name += " or " + e;
     parts.push_back(name + (f.channels.empty() ? "" : fmt::format(" in {}", fmt::join(f.channels, ", "))));
   }
   return fmt::format("Missing physics: {}.", fmt::join(parts, "; ")) + noise;

@@ -98,6 +98,7 @@ Checked check_function(Node n) {
     case Op::kLog:
     case Op::kSin:
     case Op::kCos:
+    case Op::kTanh:
       return check_transcendental(std::move(n), f);
     case Op::kStep:
     case Op::kLag:

@@ -26,6 +26,8 @@ Values elementwise(Op op, const Values& a, double second) {
       return a.array().sin();
     case Op::kCos:
       return a.array().cos();
+    case Op::kTanh:
+      return a.array().tanh();
     default:
       return (a.array() > second).template cast<double>();
   }

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 
 #include "laws/words.h"
 
@@ -42,6 +43,19 @@ void collect(const Node& n, std::vector<std::string>& out) {
 }
 
 Unit metres_per(double seconds) { return Unit::of(Unit::kMetre) / Unit::of(Unit::kSecond, seconds); }
+
+/// Adds the numbers of the text to `numbers`: one that stands there twice is said once.
+double bits_of(const Node& n, std::set<std::string>& numbers) {
+  // Words: 24 operations; a driver is one of the standard ones and its axes.
+  const double word = std::log2(static_cast<double>(kFunctions.size() + 9));
+  double bits = word;
+  if (n.op == Op::kDriver || n.op == Op::kComponent) bits += std::log2(static_cast<double>(standard_drivers().size()));
+  if (n.op == Op::kComponent) bits += std::log2(3.0);
+  if (n.op == Op::kNumber && numbers.insert(text(n)).second)
+    bits += std::log2(10.0) * static_cast<double>(text(n).size());
+  for (const Node& a : n.args) bits += bits_of(a, numbers);
+  return bits;
+}
 
 }  // namespace
 
@@ -109,14 +123,8 @@ bool memoryless(const Node& n) {
 }
 
 double complexity_bits(const Node& n) {
-  // Words: 23 operations; a driver is one of the standard ones and its axes.
-  const double word = std::log2(static_cast<double>(kFunctions.size() + 9));
-  double bits = word;
-  if (n.op == Op::kDriver || n.op == Op::kComponent) bits += std::log2(static_cast<double>(standard_drivers().size()));
-  if (n.op == Op::kComponent) bits += std::log2(3.0);
-  if (n.op == Op::kNumber) bits += std::log2(10.0) * static_cast<double>(text(n).size());
-  for (const Node& a : n.args) bits += complexity_bits(a);
-  return bits;
+  std::set<std::string> numbers;
+  return bits_of(n, numbers);
 }
 
 Node number(double value) {

@@ -29,6 +29,7 @@ enum class Op {
   kLog,
   kSin,
   kCos,
+  kTanh,  ///< saturates smoothly
   kCross,
   kStep,      ///< 1 where the first is above the second, a number, else 0
   kRate,      ///< d(x): time derivative

@@ -24,7 +24,7 @@ std::size_t count_states(const Node& n) {
 Stream::Stream(Node tree, double start_s) : tree_(std::move(tree)), start_s_(start_s), states_(count_states(tree_)) {}
 
 Vec3 Stream::next(const DriverAt& drivers, double t_s) {
-  at_ = 0;
+  if (!states_.empty()) at_ = 0;  // a law without memory is never written to: threads may share it
   return value(tree_, drivers, t_s);
 }
 

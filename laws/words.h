@@ -22,6 +22,7 @@ inline constexpr std::array kFunctions{
     Function{Op::kLog, "log", 1, "log(1 + t / 30)"},
     Function{Op::kSin, "sin", 1, "sin(f_x / 0.3)"},
     Function{Op::kCos, "cos", 1, "cos(f_x / 0.3)"},
+    Function{Op::kTanh, "tanh", 1, "tanh(f_x / 20)"},
     Function{Op::kCross, "cross", 2, "cross(w, f)"},
     Function{Op::kStep, "step", 2, "step(t, 20)"},
     Function{Op::kRate, "d", 1, "d(T)"},

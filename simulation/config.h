@@ -54,8 +54,8 @@ struct MotionConfig {
   double vibration_hz = 120.0;
   double vibration_mps2 = 3.0;
 
+  template <class P = MotionConfig>
   static constexpr auto fields() {
-    using P = MotionConfig;
     return std::tuple{
         field("kind", &P::kind, "which motion; docs/simulation.md lists them"),
         field("duration_s", &P::duration_s, in_range(0.1, 1e6), "length of the recording"),
@@ -78,8 +78,8 @@ struct TemperatureConfig {
   std::string kind = "warm_up";  ///< constant, warm_up, chamber, day, activity
   double start_degC = 25.0, rise_K = 8.0, tau_s = 60.0, period_s = 3600.0, noise_K = 0.03;
 
+  template <class P = TemperatureConfig>
   static constexpr auto fields() {
-    using P = TemperatureConfig;
     return std::tuple{
         field("kind", &P::kind, "constant, warm_up, chamber, day or activity (rises while the body moves)"),
         field("start_degC", &P::start_degC, in_range(-80.0, 200.0), "temperature at the start"),
@@ -95,8 +95,8 @@ struct CurrentConfig {
   std::string kind = "off";  ///< off, steps, activity
   double high_A = 2.0, min_hold_s = 2.0, max_hold_s = 10.0, noise_A = 0.02;
 
+  template <class P = CurrentConfig>
   static constexpr auto fields() {
-    using P = CurrentConfig;
     return std::tuple{
         field("kind", &P::kind, "off, steps (loads switched at random) or activity (drawn while the body moves)"),
         field("high_A", &P::high_A, in_range(-1000.0, 1000.0), "largest current"),
@@ -110,8 +110,8 @@ struct CurrentConfig {
 struct SupplyConfig {
   double start_V = 3.7, discharge_V_per_s = 5e-4, resistance_ohm = 0.05, noise_V = 0.001;
 
+  template <class P = SupplyConfig>
   static constexpr auto fields() {
-    using P = SupplyConfig;
     return std::tuple{
         field("start_V", &P::start_V, in_range(0.0, 1000.0), "voltage at the start without load"),
         field("discharge_V_per_s", &P::discharge_V_per_s, in_range(0.0, 1.0), "steady discharge"),
@@ -125,8 +125,8 @@ struct SupplyConfig {
 struct IronConfig {
   Vec3 moment_Am2 = Vec3::Zero(), start_m = Vec3::Zero(), velocity_mps = Vec3::Zero();
 
+  template <class P = IronConfig>
   static constexpr auto fields() {
-    using P = IronConfig;
     return std::tuple{field("moment_Am2", &P::moment_Am2, "magnetic moment in the world frame"),
                       field("start_m", &P::start_m, "position at time 0 in the world frame"),
                       field("velocity_mps", &P::velocity_mps, "constant velocity in the world frame")};
@@ -141,8 +141,8 @@ struct EnvironmentConfig {
   double height_m = 0.0;
   std::vector<IronConfig> iron;
 
+  template <class P = EnvironmentConfig>
   static constexpr auto fields() {
-    using P = EnvironmentConfig;
     return std::tuple{
         field("temperature", &P::temperature, "sensor temperature"),
         field("current", &P::current, "current in a conductor near the magnetometer"),
@@ -170,8 +170,8 @@ struct ReferenceConfig {
   double orientation_sd_rad = 0.001, position_sd_m = 2e-4, band_hz = 10.0;
   bool stated = false;  ///< the simulation speaks of its reference: a diagnosis then holds the recording's to that
 
+  template <class P = ReferenceConfig>
   static constexpr auto fields() {
-    using P = ReferenceConfig;
     return std::tuple{
         field("kind", &P::kind, "exact, mocap (with the errors below) or none (no reference columns)"),
         field("orientation_sd_rad", &P::orientation_sd_rad, in_range(0.0, 1.0), "mocap: error per axis"),

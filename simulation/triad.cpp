@@ -47,8 +47,8 @@ Vec3 Triad::digital(Vec3 y, double t_s) noexcept {
       if (d.on(i, t_s) && std::abs(y[i]) < d.values.vec3(0)[i]) y[i] = 0.0;
   Vec3 out = y;
   for (const auto& h : hold_) {
-    const bool fresh = row_ % static_cast<std::uint64_t>(h.values.scalar(0)) == 0;
-    if (fresh || row_ == 0) held_ = y;
+    const double n = h.values.scalar(0), row = static_cast<double>(row_);
+    if (row_ == 0 || std::floor(row / n) > std::floor((row - 1.0) / n)) held_ = y;
     out = h.choose(held_, y, t_s);
   }
   ++row_;

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "diagnosis/discovery/law_search.h"
+#include "diagnosis/discovery/law_words.h"
 #include "diagnosis/reference/evidence.h"
 #include "diagnosis/reference/judge.h"
 
@@ -11,12 +12,13 @@ namespace stillpoint::diag {
 namespace {
 
 constexpr std::size_t kMostTerms = 3;
-constexpr double kRows = 6000.0, kFirstRows = 2500.0;  // looked at; to see whether there is anything to look for
 // Nats before a law is spoken of: where the engine found nothing unknown, only a drift, or something without a name.
 // Clean recordings of field_open reach 74 in the scan without a drift, and 43 beside one.
 constexpr double kSpeaks = 300.0, kSpeaksOverDrift = 100.0, kSpeaksOfUnknown = 20.0;
+constexpr double kWorthLooking = 0.5;                     // of that, by one idea on few rows
 constexpr double kRemainder = 0.05;                       // of a large effect's gain is what its model leaves
 constexpr double kFurther = 60.0, kFurtherShare = 0.03;   // of the first term's gain
+constexpr double kOfTheBest = 0.5;                        // of its net gain: what follows it is another law
 constexpr double kBetter = 3.0, kBetterThanNames = 50.0;  // nats over the engine's own answer, lengths taken off
 
 bool is_clock(const Found& f) { return f.kind == Kind::kTiming || f.kind == Kind::kConfiguration; }
@@ -48,10 +50,25 @@ SensorSearch without_some(const SensorSearch& search, bool (*drop)(const Found&)
   return out;
 }
 
+/// The gain of what lasts and is no law, so that no simulation can have it: "h(I)".
+double gain_of_no_law(const SensorSearch& search) {
+  double gain = 0.0;
+  for (const Found& f : search.found)
+    if (f.kind == Kind::kUnknown && !f.window.local && !law_tree(f.id)) gain += f.gain_nats;
+  return gain;
+}
+
 struct Discovered {
   SensorSearch search;
   double bits = 0.0, gain = 0.0;
 };
+
+/// What would not be stated must not stand in the place of what would.
+bool holds_elsewhere(const SensorSearch& search, const Term& term) {
+  SensorSearch with = search;
+  with.found.push_back(term.found);
+  return !fails_elsewhere(held_out_by_regime(with, {with.found.size() - 1}));
+}
 
 /// Terms one after another, as long as each pays for itself.
 std::optional<Discovered> terms_beside(LawSearch& laws, SensorSearch base, double least) {
@@ -59,8 +76,13 @@ std::optional<Discovered> terms_beside(LawSearch& laws, SensorSearch base, doubl
   double first = 0.0;
   for (std::size_t round = 0; round < kMostTerms; ++round) {
     const std::vector<Term> terms = laws.next(out.search);
-    if (terms.empty()) break;
-    const Term& t = terms.front();
+    const auto another = std::find_if(terms.begin(), terms.end(), [&](const Term& t) {
+      return t.found.net_nats < kOfTheBest * terms.front().found.net_nats;
+    });
+    const auto chosen =
+        std::find_if(terms.begin(), another, [&](const Term& t) { return holds_elsewhere(out.search, t); });
+    if (chosen == another) break;
+    const Term& t = *chosen;
     const double gain = std::min(t.found.gain_nats, robust_nats(out.search, t.found));
     if (gain < (round == 0 ? least : std::max(kFurther, kFurtherShare * first))) break;
     SensorSearch with = out.search;
@@ -73,6 +95,7 @@ std::optional<Discovered> terms_beside(LawSearch& laws, SensorSearch base, doubl
     out.search = std::move(with);
     out.bits += t.bits;
     out.gain += t.found.gain_nats;
+    if (!t.idea.points.empty()) break;  // a formula of the same driver and a table would cancel each other
   }
   if (first == 0.0) return std::nullopt;
   return out;
@@ -87,10 +110,10 @@ double least_gain(const SensorSearch& search, bool open, bool drifts) {
 void discover_in(const Signals& s, SensorSearch& sensor) {
   const auto any = [&](auto is) { return std::any_of(sensor.found.begin(), sensor.found.end(), is); };
   const bool open = any(is_open), drifts = !sensor.walk_is_given && Judge(sensor).walking();
-  if (!open && !drifts && LawSearch(s, sensor.sensor, kFirstRows).most(sensor) < 0.5 * kSpeaks) return;
-  LawSearch laws(s, sensor.sensor, kRows);
+  LawSearch laws(s, sensor.sensor);
+  if (!open && !drifts && laws.most(sensor) < kWorthLooking * kSpeaks) return;
   std::optional<Discovered> best;
-  double most = worth(sensor, 0.0) + kBetter;
+  double most = worth(sensor, 0.0) + kBetter - kShareOfATable * gain_of_no_law(sensor);
   const auto consider = [&](const SensorSearch& base, double least, double margin) {
     auto d = terms_beside(laws, base, least);
     const double value = d ? worth(d->search, d->bits) - margin : most;

@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "diagnosis/discovery/drivers.h"
+#include "diagnosis/discovery/table_term.h"
 #include "laws/expression.h"
 
 namespace stillpoint::diag {
@@ -14,13 +15,9 @@ namespace {
 
 constexpr double kFirstEvent_s = 3.0;
 constexpr std::array<double, 5> kShares{0.15, 0.35, 0.5, 0.65, 0.85};
-constexpr int kMostCycles = 40;  // of a periodic function over the range of its driver
-
-std::vector<double> geometric(double from, double to, double ratio) {
-  std::vector<double> out;
-  for (double x = from; x < to * 1.001; x *= ratio) out.push_back(x);
-  return out;
-}
+constexpr double kLongestOfMotion = 0.15;  // time constant, of the recording: a longer memory of what swings is a trend
+constexpr std::array<double, 3> kWiderLags_s{0.5, 1.6, 5.0};  // refined where they are of use
+constexpr int kMostCycles = 40;                               // of a periodic function over the range of its driver
 
 class Ideas {
  public:
@@ -47,6 +44,7 @@ class Ideas {
       memory(name);
       if (name != "T") add("d(" + name + ")");
     }
+    for (const auto& c : components_) open("lag(" + c + ", {})", "tau", lags(kLongestOfMotion), "s");
     for (const char* heat : {"norm(w)", "norm(w)^2", "norm(f)", "I^2", "d(T)"})
       if (known(heat)) memory(heat);
   }
@@ -66,8 +64,9 @@ class Ideas {
 
   void of_vectors() {
     for (const auto& v : vectors_) {
-      if (v != own_) both(v), both("d(" + v + ")");
+      if (v != own_) both(v), both("d(" + v + ")"), both("lag(" + v + ", {})", lags(kLongestOfMotion), "tau");
       add_powers(v);
+      for (const auto& c : components_) add_matrix(v + " * " + c);
       for (const auto& x : scalars_) {
         both(v + " * " + x);
         add("d(" + v + ") * " + x);
@@ -125,8 +124,9 @@ class Ideas {
   void add(const std::string& text) { out_.push_back({{text}, {}, {}, {0.0}, false}); }
   void both(const std::string& vector) {
     add(vector);
-    out_.push_back({{vector}, {}, {}, {0.0}, true});
+    add_matrix(vector);
   }
+  void add_matrix(const std::string& vector) { out_.push_back({{vector}, {}, {}, {0.0}, true}); }
   void both(const std::string& vector, std::vector<double> shapes, const char* name = "at") {
     out_.push_back({{vector}, name, "s", std::move(shapes), true});
   }
@@ -142,29 +142,15 @@ class Ideas {
     if (v != own_) add("cross(" + v + ", d(" + v + "))");
   }
   void memory(const std::string& x) {
-    open("lag(" + x + ", {})", "tau", geometric(0.2, 0.5 * length_s_, 1.8), "s");
+    open("lag(" + x + ", {})", "tau", lags(0.5), "s");
     open("delay(" + x + ", {})", "delay", geometric(0.05, 5.0, 2.0), "s");
   }
   void thresholds(const std::string& x) {
-    const auto tree = laws::parse(x, signature());
+    const auto tree = laws::parse(x, signature_of(drivers_));
     if (!tree) return;
     const std::vector<double> levels = levels_in(laws::evaluate(*tree, drivers_));
     open("step(" + x + ", {})", "threshold", levels);
     open("step(" + x + ", {}) * (" + x + " - {})", "threshold", levels);
-  }
-  [[nodiscard]] laws::Signature signature() const {
-    std::vector<std::string> users;
-    for (const auto& [name, x] : drivers_.values) users.push_back(name);
-    return laws::drivers_with(users);
-  }
-  [[nodiscard]] static std::vector<double> levels_in(const Eigen::MatrixXd& x) {
-    std::vector<double> out;
-    const Eigen::VectorXd all = x.reshaped();
-    for (const double share : kShares) {
-      const double level = quantile(all, share);
-      if (out.empty() || level > out.back()) out.push_back(level);
-    }
-    return out;
   }
   [[nodiscard]] std::vector<double> levels_of_own() const {
     std::vector<double> out = levels_in(drivers_.values.find(own_)->second.cwiseAbs());
@@ -178,6 +164,7 @@ class Ideas {
     if (out.empty()) out.push_back(0.5 * length_s_);
     return out;
   }
+  [[nodiscard]] std::vector<double> lags(double longest) const { return geometric(0.2, longest * length_s_, 1.8); }
   [[nodiscard]] std::vector<double> settling() const { return geometric(0.5, 2.0 * length_s_, 1.8); }
 
   std::string own_;
@@ -197,6 +184,34 @@ std::string Idea::text(std::size_t part, double shape) const {
   return out;
 }
 
+std::string lag_of(const std::string& x, const std::string& tau) {
+  const bool bracketed = x.starts_with('(') && x.ends_with(')');
+  return "lag(" + (bracketed ? x.substr(1, x.size() - 2) : x) + ", " + tau + ")";
+}
+
+std::vector<double> geometric(double from, double to, double ratio) {
+  std::vector<double> out;
+  for (double x = from; x < to * 1.001; x *= ratio) out.push_back(x);
+  return out;
+}
+
+std::vector<double> levels_in(const Eigen::MatrixXd& x) {
+  std::vector<double> out;
+  const Eigen::VectorXd all = x.reshaped();
+  for (const double share : kShares) {
+    const double level = quantile(all, share);
+    if (out.empty() || level > out.back()) out.push_back(level);
+  }
+  return out;
+}
+
+laws::Signature signature_of(const laws::Columns& drivers) {
+  std::vector<std::string> users;
+  for (const auto& [name, x] : drivers.values)
+    if (name.find('_') != std::string::npos && name.find('(') == std::string::npos) users.push_back(name);
+  return laws::drivers_with(users);
+}
+
 std::vector<std::string> scalar_factors(const laws::Columns& drivers) {
   std::vector<std::string> out{"norm(w)"};
   const auto has = [&](const char* name) { return drivers.values.contains(name); };
@@ -210,6 +225,46 @@ std::vector<std::string> scalar_factors(const laws::Columns& drivers) {
   return out;
 }
 
+std::vector<std::string> scalar_leaves(const laws::Columns& drivers) {
+  std::vector<std::string> out = scalar_factors(drivers);
+  for (const char* v : {"w", "f", "m"})
+    for (const char* axis : {"_x", "_y", "_z"})
+      if (drivers.values.contains(v)) out.push_back(std::string(v) + axis);
+  return out;
+}
+
+std::vector<Idea> wider_ideas(const laws::Columns& drivers) {
+  const std::vector<double> tau(kWiderLags_s.begin(), kWiderLags_s.end());
+  const double length = drivers.t_s[drivers.t_s.size() - 1] - drivers.t_s[0];
+  std::vector<double> moments;
+  for (double share = 0.1; share < 0.9; share += 0.04) moments.push_back(share * length);
+  const std::vector<std::string> leaves = scalar_leaves(drivers);
+  std::vector<Idea> out;
+  for (const std::string& x : leaves) {
+    for (const char* v : {"w", "f", "m"}) {
+      if (!drivers.values.contains(v)) continue;
+      for (const std::string& y : leaves)
+        if (x <= y) out.push_back({{fmt::format("{} * {} * {}", v, x, y)}, {}, {}, {0.0}, true, {}, 1});
+      if (x != "t") out.push_back({{v + (" * " + lag_of(x))}, "tau", "s", tau, true, {}, 1});
+    }
+    if (x == "t") continue;
+    for (const std::string& y : leaves) out.push_back({{lag_of(x) + " * " + y}, "tau", "s", tau, false, {}, 1});
+    out.push_back({{x + " * step(t, {})"}, "at", "s", moments, false, {}, 1});
+  }
+  return out;
+}
+
+std::vector<Idea> table_ideas(const laws::Columns& drivers) {
+  std::vector<Idea> out;
+  for (const std::string& text : scalar_leaves(drivers)) {
+    const auto tree = laws::parse(text, signature_of(drivers));
+    if (!tree || text == "t") continue;  // a free function of time predicts nothing
+    std::vector<double> points = table_points(laws::evaluate(*tree, drivers));
+    if (!points.empty()) out.push_back({{text}, {}, {}, {0.0}, false, std::move(points)});
+  }
+  return out;
+}
+
 std::vector<Idea> first_ideas(Sensor sensor, const laws::Columns& drivers) {
   Ideas ideas(sensor, drivers);
   ideas.of_scalars();
@@ -218,48 +273,6 @@ std::vector<Idea> first_ideas(Sensor sensor, const laws::Columns& drivers) {
   ideas.of_the_reading();
   ideas.of_time();
   return ideas.take();
-}
-
-std::vector<Idea> second_ideas(const Idea& best, double shape, const laws::Columns& drivers) {
-  std::vector<Idea> out;
-  if (best.texts.size() != 1) return out;
-  const std::string text = best.text(0, shape);
-  if (text.find("step(t, ") != std::string::npos) {
-    // What settles slowly begins before its step seems to be.
-    const std::vector<double> tau = geometric(0.5, 40.0, 1.6);
-    const std::string own = text.substr(0, text.find("step(t, "));
-    for (const double earlier : {0.0, 1.0, 2.0, 3.0, 4.5, 6.0, 8.0}) {
-      const std::string at = fmt::format("{:.5g}", std::max(0.5, shape - earlier));
-      const std::string on = own + "step(t, " + at + ")", since = "(t - " + at + ")";
-      out.push_back({{on + " * exp(-" + since + " / {})"}, "tau", "s", tau, best.matrix});
-      out.push_back({{on + " * (1 - exp(-" + since + " / {}))"}, "tau", "s", tau, best.matrix});
-    }
-    out.push_back({{text + fmt::format(" * (t - {:.5g})", shape)}, {}, {}, {0.0}, best.matrix});
-    return out;
-  }
-  for (const std::string& factor : scalar_factors(drivers))
-    out.push_back({{text + " * " + factor}, {}, {}, {0.0}, best.matrix});
-  for (const char* vector : {"w", "f", "m"})
-    for (const char* axis : {"_x", "_y", "_z"})
-      if (drivers.values.contains(vector)) out.push_back({{text + " * " + vector + axis}, {}, {}, {0.0}, best.matrix});
-  return out;
-}
-
-std::optional<Idea> moment_of(const Idea& best, double shape) {
-  static const std::string kStep = "step(t, ";
-  if (best.texts.size() != 1 || best.shape_name != "tau") return std::nullopt;
-  std::string text = best.text(0, shape);
-  const std::size_t begin = text.find(kStep);
-  if (begin == std::string::npos) return std::nullopt;
-  const std::size_t from = begin + kStep.size();
-  const std::string at = text.substr(from, text.find(')', from) - from);
-  for (const std::string& before : {kStep, std::string("(t - ")})
-    for (std::size_t i = text.find(before + at); i != std::string::npos; i = text.find(before + at))
-      text.replace(i + before.size(), at.size(), "{}");
-  std::vector<double> around;
-  for (double step = -2.0; step <= 2.0; step += 0.25)
-    if (std::stod(at) + step > 0.0) around.push_back(std::stod(at) + step);
-  return Idea{{text}, "at", "s", around, best.matrix};
 }
 
 }  // namespace stillpoint::diag

@@ -1,6 +1,5 @@
 /// The expressions that are looked at: scalar and vector factors, functions of them, memory, events and couplings.
 #pragma once
-#include <optional>
 #include <string>
 #include <vector>
 
@@ -15,6 +14,8 @@ struct Idea {
   std::string shape_name, shape_unit;  ///< of the open number; empty: there is none
   std::vector<double> shapes{0.0};     ///< where it is looked for, ascending
   bool matrix = false;                 ///< of a vector: through a full matrix, else axis by axis
+  std::vector<double> points{};        ///< of a table: where its points lie; empty: it is a formula
+  std::size_t steps = 0;               ///< taken from the first level on
 
   [[nodiscard]] std::string text(std::size_t part, double shape) const;
 };
@@ -22,14 +23,28 @@ struct Idea {
 /// Everything of the first level. Thresholds and widths lie where the driver is.
 [[nodiscard]] std::vector<Idea> first_ideas(const Sensor sensor, const laws::Columns& drivers);
 
+/// Products of three of which one is a vector through a matrix, and products of two of which one has a memory: what
+/// shows nothing of itself in any single text of the first level, as its factors swing about zero.
+[[nodiscard]] std::vector<Idea> wider_ideas(const laws::Columns& drivers);
+
+/// A free function of each number that is recorded and of each axis of the vectors.
+[[nodiscard]] std::vector<Idea> table_ideas(const laws::Columns& drivers);
+
 /// The texts of numbers that others may be multiplied by.
 [[nodiscard]] std::vector<std::string> scalar_factors(const laws::Columns& drivers);
 
-/// What could be meant where `best` (with its number) was: times a further factor, or, of an event, what settles after
-/// it.
-[[nodiscard]] std::vector<Idea> second_ideas(const Idea& best, double shape, const laws::Columns& drivers);
+/// Those and the axes of the vectors.
+[[nodiscard]] std::vector<std::string> scalar_leaves(const laws::Columns& drivers);
 
-/// Of what settles after an event: the same with its time constant fixed and the moment open; nullopt for others.
-[[nodiscard]] std::optional<Idea> moment_of(const Idea& best, double shape);
+/// The lag of one of these.
+[[nodiscard]] std::string lag_of(const std::string& scalar, const std::string& tau = "{}");
+
+/// `from`, `from` ratio, ... up to `to`.
+[[nodiscard]] std::vector<double> geometric(double from, double to, double ratio);
+
+/// Where thresholds are looked for: shares of a driver's values, ascending.
+[[nodiscard]] std::vector<double> levels_in(const Eigen::MatrixXd& x);
+
+[[nodiscard]] laws::Signature signature_of(const laws::Columns& drivers);
 
 }  // namespace stillpoint::diag

@@ -54,8 +54,15 @@ AgainstQuantity drawn(std::string label, const Series& x, const Series& before, 
 
 std::string label_of(const laws::Node& quantity, int axis) {
   const std::string name = laws::text(quantity) + (quantity.vector ? std::string(", axis ") + "xyz"[axis] : "");
-  const std::string unit = laws::text(quantity.unit);
+  const bool is_temperature = quantity.op == laws::Op::kDriver && laws::text(quantity) == "T";
+  const std::string unit = is_temperature ? "degC" : laws::text(quantity.unit);  // differences are in K
   return unit == "1" ? name : name + ", " + unit;
+}
+
+/// A recorded column that is no part of the law; one of another name says its unit itself.
+std::string label_of_column(const std::string& name) {
+  const auto driver = law_tree("unknown:" + name);
+  return driver ? label_of(*driver, 0) : name;
 }
 
 }  // namespace
@@ -77,7 +84,7 @@ std::vector<AgainstQuantity> against_each(const Signals& s, const std::string& e
   }
   for (const auto& [name, x] : rows.values)
     if (x.cols() == 1 && name.find('(') == std::string::npos && std::find(used.begin(), used.end(), name) == used.end())
-      out.push_back(drawn(name, x.col(0), before, after, layout));
+      out.push_back(drawn(label_of_column(name), x.col(0), before, after, layout));
   if (out.size() > kMostQuantities) out.resize(kMostQuantities);
   return out;
 }

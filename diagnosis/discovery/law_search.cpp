@@ -2,19 +2,27 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 
 #include "diagnosis/discovery/drivers.h"
-#include "diagnosis/discovery/term_scan.h"
-#include "diagnosis/reference/driver_unit.h"
+#include "diagnosis/discovery/extensions.h"
+#include "diagnosis/discovery/table_term.h"
+#include "diagnosis/discovery/thinned.h"
 #include "diagnosis/reference/golden_section.h"
 #include "diagnosis/reference/judge.h"
 
 namespace stillpoint::diag {
 namespace {
 
-constexpr std::size_t kShort = 5;                       // of each noise, to be judged
-constexpr std::size_t kShortSecond = 2, kExtended = 2;  // texts that are taken further, and what is judged of that
-constexpr std::size_t kRefined = 3;  // of those, whose number is sought between the points of its grid
+constexpr double kRows = 6000.0, kFewRows = 2500.0;  // looked at, of the first level and of the wider one
+constexpr std::size_t kShort = 5;                    // of each noise, to be judged
+constexpr std::size_t kShortToSee = 2;               // the same, to see whether there is anything to look for
+constexpr std::size_t kShortFurther = 2, kBeam = 3;  // judged of each noise a step further; texts that are taken there
+constexpr std::size_t kMostSteps = 4;
+constexpr double kWorthExtending = 0.3;  // of the best one's net gain
+constexpr double kShareOfAStep = 0.01;   // of the gain: what is more complicated has to explain more than that
+constexpr std::size_t kRefined = 3;      // of those, whose number is sought between the points of its grid
+constexpr double kNatsACoefficient = 2.0;
 constexpr double kNatsAShape = 3.0;  // the choice of an open number
 constexpr int kSections = 10;
 
@@ -23,43 +31,27 @@ struct Look {
   double shape = 0.0, gain = -1.0, net = -1.0;
 };
 
-laws::Signature signature_of(const laws::Columns& drivers) {
-  std::vector<std::string> users;
-  for (const auto& [name, x] : drivers.values)
-    if (name.find('_') != std::string::npos && name.find('(') == std::string::npos) users.push_back(name);
-  return laws::drivers_with(users);
-}
-
-/// The rows of a search with what it has subtracted so far.
-Signals with_residual(const Signals& s, const SensorSearch& base) {
-  Signals out = s;
-  out.residual[base.sensor] = base.target.residual;
-  return out;
-}
-
 }  // namespace
 
 struct LawSearch::Parts {
   const Signals& s;
   Sensor sensor;
-  Eigen::Index factor;
   std::shared_ptr<const laws::Columns> shared;
   const laws::Columns& full;
-  laws::Columns slow;
+  Rows slow, few;
   laws::Signature signature;
-  std::vector<Idea> ideas;
+  std::vector<Idea> ideas, wider;
 
-  Parts(const Signals& signals, Sensor k, double rows)
+  Parts(const Signals& signals, Sensor k)
       : s(signals),
         sensor(k),
-        factor(std::max<Eigen::Index>(1, std::lround(static_cast<double>(signals.n) / rows))),
         shared(std::make_shared<const laws::Columns>(drivers_of_rows(s))),
-        full(*shared) {
-    slow.t_s = means_of_rows(full.t_s, factor);
-    for (const auto& [name, x] : full.values) slow.values[name] = means_of_rows(x, factor);
-    signature = signature_of(full);
-    ideas = first_ideas(sensor, slow);
-  }
+        full(*shared),
+        slow(s, full, kRows),
+        few(s, full, kFewRows),
+        signature(signature_of(full)),
+        ideas(first_ideas(sensor, slow.drivers)),
+        wider(wider_ideas(slow.drivers)) {}
 
   struct Value {
     Eigen::MatrixXd x;
@@ -75,19 +67,20 @@ struct LawSearch::Parts {
   }
 
   /// The best number of one idea under each scan.
-  [[nodiscard]] std::vector<Look> look(const Idea& idea, std::size_t index,
-                                       const std::vector<const TermScan*>& scans) const {
+  [[nodiscard]] std::vector<Look> look(const Idea& idea, std::size_t index, const laws::Columns& drivers,
+                                       std::span<const TermScan> scans) const {
     std::vector<Look> best(scans.size(), Look{index});
     for (const double shape : idea.shapes) {
       std::vector<double> gain(scans.size(), 0.0);
       double price = idea.shapes.size() > 1 ? kNatsAShape : 0.0;
       bool good = true;
       for (std::size_t part = 0; part < idea.texts.size() && good; ++part) {
-        const auto v = value(idea.text(part, shape), slow);
+        const auto v = value(idea.text(part, shape), drivers);
         good = v.has_value();
         if (!good) break;
-        for (std::size_t i = 0; i < scans.size(); ++i) gain[i] += scans[i]->gain(v->x, idea.matrix);
-        price += kNatsABit * v->bits + (idea.matrix ? 18.0 : 6.0);
+        const Columns columns = columns_of(idea, v->x);
+        for (std::size_t i = 0; i < scans.size(); ++i) gain[i] += scans[i].gain(columns);
+        price += kNatsABit * v->bits + kNatsACoefficient * static_cast<double>(columns.size());
       }
       for (std::size_t i = 0; i < scans.size() && good; ++i)
         if (gain[i] - price > best[i].net) best[i] = {index, shape, gain[i], gain[i] - price};
@@ -102,57 +95,32 @@ struct LawSearch::Parts {
       const auto v = value(idea.text(part, shape), drivers);
       if (!v) return std::nullopt;
       out.bits += v->bits;
-      f.columns = joined(std::move(f.columns), columns_of_value(v->x, idea.matrix && v->x.cols() == 3));
+      f.columns = joined(std::move(f.columns), columns_of(idea, v->x));
     }
-    f.id = "unknown:" + idea.text(0, shape);
+    const std::string text = idea.text(0, shape);
+    f.id = "unknown:" + (idea.points.empty() ? text : table_text(text));
     f.kind = Kind::kUnknown;
     f.shape = shape;
     f.names.assign(f.columns.size(), "k");
     return out;
   }
 
+  [[nodiscard]] std::vector<Look> best(const std::vector<Idea>& all, std::size_t from, std::size_t count,
+                                       const Rows& rows, std::span<const TermScan> noises) const;
+
   [[nodiscard]] double net_of(const Term& t) const {
-    return t.found.gain_nats - charge(t.found.columns.size(), {}) - kNatsABit * t.bits -
+    const double kept =
+        1.0 - kShareOfAStep * static_cast<double>(t.idea.steps) - (t.idea.points.empty() ? 0.0 : kShareOfATable);
+    return kept * t.found.gain_nats - charge(t.found.columns.size(), {}) - kNatsABit * t.bits -
            (t.idea.shape_name.empty() ? 0.0 : kNatsAShape);
   }
 };
 
-LawSearch::LawSearch(const Signals& s, Sensor sensor, double rows) : parts_(std::make_unique<Parts>(s, sensor, rows)) {}
+LawSearch::LawSearch(const Signals& s, Sensor sensor) : parts_(std::make_unique<Parts>(s, sensor)) {}
 LawSearch::~LawSearch() = default;
 const std::shared_ptr<const laws::Columns>& LawSearch::drivers() const { return parts_->shared; }
 
 namespace {
-
-/// The thinned side of a search, with the noises that candidates are looked at under: the one that the null model
-/// leaves, beside its walk; one that has learnt colour from what a smooth model leaves; and a white one. Under the last
-/// two a strong law does not hide as memory, under the first what fits only their error does not come first.
-struct Thin {
-  Signals s;
-  Target target, white, null;
-  Columns explained;
-  std::vector<NoiseModel> noises;
-  std::vector<TermScan> all;
-
-  Thin(const Signals& full, const SensorSearch& base, Eigen::Index factor, bool walks)
-      : s(factor > 1 ? thinned(with_residual(full, base), factor) : with_residual(full, base)) {
-    target = make_target(s, base.sensor);
-    for (const Column& c : base.explained()) explained.push_back({c.axis, means_of_rows(c.x, factor)});
-    null = target;
-    if (walks) null.walk = walk_basis(s);
-    white = target;
-    white.layout.order = 0;
-    noises.reserve(3), all.reserve(3);
-    noises.emplace_back(null.layout, fit_profile(null, explained).leftover);
-    noises.push_back(scan_noise(target, explained, walk_basis(s)));
-    const NoiseModel level(white.layout, white.residual);
-    noises.emplace_back(white.layout, fit_with(white, explained, level, {}).leftover);
-    all.emplace_back(null, explained, noises[0]);
-    all.emplace_back(target, explained, noises[1]);
-    all.emplace_back(white, explained, noises[2]);
-  }
-  Thin(const Thin&) = delete;
-  Thin& operator=(const Thin&) = delete;
-};
 
 void keep_best(std::vector<Look>& all, std::size_t count) {
   std::sort(all.begin(), all.end(), [](const Look& a, const Look& b) { return a.net > b.net; });
@@ -162,11 +130,34 @@ void keep_best(std::vector<Look>& all, std::size_t count) {
 
 }  // namespace
 
+/// The best so many of the ideas under each noise, each once.
+std::vector<Look> LawSearch::Parts::best(const std::vector<Idea>& all, std::size_t from, std::size_t count,
+                                         const Rows& rows, std::span<const TermScan> noises) const {
+  std::vector<std::vector<Look>> by_noise(noises.size());
+  for (std::size_t i = from; i < all.size(); ++i) {
+    const std::vector<Look> looks = look(all[i], i, rows.drivers, noises);
+    for (std::size_t k = 0; k < noises.size(); ++k) by_noise[k].push_back(looks[k]);
+  }
+  std::vector<Look> out;
+  for (auto& list : by_noise) {
+    keep_best(list, count);
+    for (const Look& l : list) {
+      const auto same = [&l](const Look& o) { return o.idea == l.idea && o.shape == l.shape; };
+      if (std::none_of(out.begin(), out.end(), same)) out.push_back(l);
+    }
+  }
+  return out;
+}
+
 double LawSearch::most(const SensorSearch& base) {
-  const Thin thin(parts_->s, base, parts_->factor, true);
+  const Parts& p = *parts_;
+  const Thin thin(p.s, base, p.few.factor, true);
+  const double without = fit_profile(thin.null, thin.explained).log_likelihood;
   double out = 0.0;
-  for (std::size_t i = 0; i < parts_->ideas.size(); ++i)
-    out = std::max(out, parts_->look(parts_->ideas[i], i, {thin.all.data()}).front().gain);
+  for (const auto* ideas : {&p.ideas, &p.wider})
+    for (const Look& l : p.best(*ideas, 0, kShortToSee, p.few, thin.without_null()))
+      if (const auto t = p.term((*ideas)[l.idea], l.shape, p.few.drivers))
+        out = std::max(out, fit_profile(thin.null, joined(thin.explained, t->found.columns)).log_likelihood - without);
   return out;
 }
 
@@ -174,30 +165,28 @@ double LawSearch::most(const SensorSearch& base) {
 class LawSearch::Round {
  public:
   Round(const Parts& parts, const SensorSearch& base)
-      : p_(parts), judge_(base), thin_(parts.s, base, parts.factor, judge_.walking()), ideas_(parts.ideas) {}
+      : p_(parts), base_(base), judge_(base), thin_(parts.s, base, parts.slow.factor, judge_.walking()) {}
 
   std::vector<Term> run() {
-    shortlist(0, kShort);
-    if (terms_.empty()) return {};
+    first_level();
+    for (std::size_t step = 0; step < kMostSteps && further();) ++step;
+    while (settle_numbers()) continue;
+    const std::size_t formulas = ideas_.size();
+    for (Idea& idea : table_ideas(p_.slow.drivers)) ideas_.push_back(std::move(idea));
+    shortlist(formulas, 1);
     refine_best();
-    const std::size_t first_level = ideas_.size();
-    for (std::size_t i = 0; i < std::min(kExtended, terms_.size()); ++i)
-      for (Idea& idea : second_ideas(terms_[i].idea, terms_[i].shape, p_.slow)) ideas_.push_back(std::move(idea));
-    shortlist(first_level, kShortSecond);
-    refine_best();
-    if (const auto moment = moment_of(terms_.front().idea, terms_.front().shape)) {
-      ideas_.push_back(*moment);
-      shortlist(ideas_.size() - 1, 1);
-      refine_best();
-    }
     std::erase_if(terms_, [](const Term& t) { return t.found.net_nats <= 0; });
     return std::move(terms_);
   }
 
  private:
+  static std::string name_of(const Idea& idea, const std::string& text) {
+    return text + (idea.matrix ? " matrix" : idea.points.empty() ? "" : " table");
+  }
+
   void judge(const Idea& idea, double shape) {
     auto t = p_.term(idea, shape, p_.full);
-    if (!t) return;
+    if (!t || !judged_.insert(name_of(idea, idea.text(0, shape))).second) return;
     judge_.weigh(t->found);
     t->found.net_nats = p_.net_of(*t);
     terms_.push_back(std::move(*t));
@@ -205,28 +194,58 @@ class LawSearch::Round {
 
   /// The best of the ideas from one on, under each noise, judged on all rows.
   void shortlist(std::size_t from, std::size_t count) {
-    std::vector<const TermScan*> scans;
-    for (const TermScan& scan : thin_.all) scans.push_back(&scan);
-    std::vector<std::vector<Look>> best(scans.size());
-    for (std::size_t i = from; i < ideas_.size(); ++i) {
-      const std::vector<Look> looks = p_.look(ideas_[i], i, scans);
-      for (std::size_t k = 0; k < scans.size(); ++k) best[k].push_back(looks[k]);
+    for (const Look& l : p_.best(ideas_, from, count, p_.slow, thin_.all)) judge(ideas_[l.idea], l.shape);
+  }
+
+  /// The wider ones on fewer rows: there are more of them, and none is as fast as a sensor.
+  void first_level() {
+    for (const Look& l : p_.best(p_.ideas, 0, kShort, p_.slow, thin_.all)) judge(p_.ideas[l.idea], l.shape);
+    const Thin thin(p_.s, base_, p_.few.factor, judge_.walking());
+    for (const Look& l : p_.best(p_.wider, 0, kShort, p_.few, thin.without_null())) judge(p_.wider[l.idea], l.shape);
+    refine_best();
+  }
+
+  /// One step from the best that were not taken further yet; false where that leads nowhere.
+  bool further() {
+    if (terms_.empty()) return false;
+    const double before = terms_.front().found.net_nats;
+    std::vector<std::pair<Idea, double>> taken;
+    const auto take = [&](const Term& t) {
+      if (extended_.insert(name_of(t.idea, t.idea.texts.front())).second) taken.emplace_back(t.idea, t.shape);
+    };
+    const auto worth_it = [&](const Term& t) { return t.found.net_nats >= kWorthExtending * before; };
+    for (const Term& t : terms_)
+      if (taken.size() < kBeam && worth_it(t)) take(t);
+    // The best event as well: what settles after it follows a slow driver more closely than the event does.
+    const auto event =
+        std::find_if(terms_.begin(), terms_.end(), [](const Term& t) { return t.idea.shape_name == "at"; });
+    if (event != terms_.end() && worth_it(*event)) take(*event);
+    // A list for each: what stands beside the true law in this motion has as many neighbours, and they are as good.
+    for (const auto& [idea, shape] : taken) {
+      const std::size_t from = ideas_.size();
+      for (Idea& next : extensions(idea, shape, p_.slow.drivers)) ideas_.push_back(std::move(next));
+      shortlist(from, kShortFurther);
     }
-    std::vector<std::pair<std::size_t, double>> known;
-    for (auto& list : best) {
-      keep_best(list, count);
-      for (const Look& l : list) {
-        if (std::find(known.begin(), known.end(), std::pair{l.idea, l.shape}) != known.end()) continue;
-        known.emplace_back(l.idea, l.shape);
-        judge(ideas_[l.idea], l.shape);
-      }
+    refine_best();
+    return terms_.front().found.net_nats > before;
+  }
+
+  /// Every number of the best looked for anew beside the others; false where none of them moves.
+  bool settle_numbers() {
+    if (terms_.empty()) return false;
+    const double before = terms_.front().found.net_nats;
+    for (Idea& idea : reopened(terms_.front().idea, terms_.front().shape)) {
+      ideas_.push_back(std::move(idea));
+      shortlist(ideas_.size() - 1, 1);
+      refine_best();
     }
+    return terms_.front().found.net_nats > before + kNatsAShape;
   }
 
   /// The open number between the points of its grid, by golden section on the thinned rows.
   void refine(const Idea& idea, double coarse) {
     const auto& grid = idea.shapes;
-    const auto there = p_.term(idea, coarse, p_.slow);
+    const auto there = p_.term(idea, coarse, p_.slow.drivers);
     if (idea.shape_name.empty() || grid.size() < 2 || !there) return;
     const auto at = std::lower_bound(grid.begin(), grid.end(), coarse);
     const double low = at == grid.begin() ? grid[0] - 0.4 * (grid[1] - grid[0]) : *std::prev(at);
@@ -234,7 +253,7 @@ class LawSearch::Round {
     const auto with = [this](const Term& t) { return joined(thin_.explained, t.found.columns); };
     const NoiseModel noise(thin_.target.layout, fit_profile(thin_.target, with(*there)).leftover);
     const auto likelihood = [&](double shape) {
-      const auto t = p_.term(idea, shape, p_.slow);
+      const auto t = p_.term(idea, shape, p_.slow.drivers);
       return t ? fit_with(thin_.target, with(*t), noise, {}).log_likelihood : -1e300;
     };
     judge(idea, highest_by_golden_section(std::min(low, high), std::max(low, high), kSections, likelihood));
@@ -249,53 +268,20 @@ class LawSearch::Round {
     std::vector<std::pair<Idea, double>> best;
     for (std::size_t i = 0; i < std::min(kRefined, terms_.size()); ++i)
       best.emplace_back(terms_[i].idea, terms_[i].shape);
-    for (const auto& [idea, shape] : best) refine(idea, shape);
+    for (const auto& [idea, shape] : best)
+      if (refined_.insert(name_of(idea, idea.texts.front())).second) refine(idea, shape);
     sort();
   }
 
   const Parts& p_;
+  const SensorSearch& base_;
   Judge judge_;
   Thin thin_;
-  std::vector<Idea> ideas_;
+  std::vector<Idea> ideas_;  ///< of the steps
   std::vector<Term> terms_;
+  std::set<std::string> judged_, extended_, refined_;  ///< by text and coupling
 };
 
 std::vector<Term> LawSearch::next(const SensorSearch& base) { return Round(*parts_, base).run(); }
-
-std::vector<Found> effects_of(const Term& term, Sensor sensor, const std::shared_ptr<const laws::Columns>& drivers) {
-  std::vector<Found> out;
-  const laws::Signature signature = signature_of(*drivers);
-  std::size_t next = 0;
-  for (std::size_t part = 0; part < term.idea.texts.size(); ++part) {
-    const std::string text = term.idea.text(part, term.shape);
-    const auto tree = laws::parse(text, signature);
-    if (!tree) continue;
-    Found f = term.found;
-    const std::size_t count = term.found.columns.size() / term.idea.texts.size();
-    f.columns.assign(term.found.columns.begin() + static_cast<std::ptrdiff_t>(next),
-                     term.found.columns.begin() + static_cast<std::ptrdiff_t>(next + count));
-    next += count;
-    f.id = "unknown:" + text;
-    f.equation = "delta = k " + text;
-    f.driver = text;
-    f.names = count == 9
-                  ? std::vector<std::string>{"k_xx", "k_xy", "k_xz", "k_yx", "k_yy", "k_yz", "k_zx", "k_zy", "k_zz"}
-                  : std::vector<std::string>{"k_x", "k_y", "k_z"};
-    const std::string of = laws::text(tree->unit);
-    f.unit = of == "1" ? std::string(kSensorUnit[sensor]) : std::string(kSensorUnit[sensor]) + " per " + of;
-    f.units.assign(count, f.unit);
-    if (!term.idea.shape_name.empty()) {
-      f.shape_name = term.idea.shape_name;
-      f.shape_unit = term.idea.shape_unit;
-      if (f.shape_name == "tau")
-        f.at_shape = [idea = term.idea, part, drivers, signature](double shape) {
-          const auto at = laws::parse(idea.text(part, shape), signature);
-          return columns_of_value(laws::evaluate(*at, *drivers), idea.matrix);
-        };
-    }
-    out.push_back(std::move(f));
-  }
-  return out;
-}
 
 }  // namespace stillpoint::diag

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "diagnosis/discovery/table_term.h"
 #include "simulation/law_effect.h"
 
 namespace stillpoint::diag {
@@ -79,6 +80,7 @@ std::string law_text(const std::string& effect) {
       {"|w_i|", "abs(w)"},    {"|f_i|", "abs(f)"},
       {"|m_i|", "abs(m)"},    {"*", " * "}};
   std::string text = effect.substr(kUnknown.size());
+  if (driver_of_table(text)) return text;
   if (sim::tree_of({.id = std::string(sim::kLawPrefix) + text, .parameters = {}, .axes = {}, .window_s = {}}))
     return text;
   for (const auto& [engine, grammar] : kWords)
@@ -89,7 +91,7 @@ std::string law_text(const std::string& effect) {
 
 std::optional<laws::Node> law_tree(const std::string& effect) {
   if (!effect.starts_with(kUnknown)) return std::nullopt;
-  const std::string text = law_text(effect);
+  const std::string said = law_text(effect), text = driver_of_table(said).value_or(said);
   auto tree = laws::parse(text, sim::signature_for(text));
   return tree ? std::optional(std::move(*tree)) : std::nullopt;
 }

@@ -16,7 +16,7 @@ namespace stillpoint::diag {
 /// The law behind "unknown:", the engine's own products in the words of the grammar. Reads back where it is a law.
 [[nodiscard]] std::string law_text(const std::string& effect);
 
-/// The law itself; nullopt where what stands behind "unknown:" is none.
+/// The law itself, of a table its driver; nullopt where what stands behind "unknown:" is none.
 [[nodiscard]] std::optional<laws::Node> law_tree(const std::string& effect);
 
 /// The member "law" of a finding (docs/formats.md); nullopt where its effect is no discovered law.

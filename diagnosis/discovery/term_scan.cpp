@@ -35,20 +35,22 @@ TermScan::TermScan(const Target& target, const Columns& explained, const NoiseMo
   }
 }
 
-double TermScan::gain(const Eigen::MatrixXd& value, bool matrix) const {
+double TermScan::gain(const Columns& columns) const {
   constexpr double kOwn = 1e-4;  // of the power: what has less beside the base is the base
   double sum = 0.0;
   for (int axis = 0; axis < 3; ++axis) {
     const auto a = static_cast<std::size_t>(axis);
-    const bool all = matrix && value.cols() == 3;
-    Eigen::MatrixXd x(value.rows(), all ? 3 : 1);
-    for (Eigen::Index j = 0; j < x.cols(); ++j)
-      x.col(j) = noise_.whiten(target_.layout, value.col(all ? j : value.cols() == 1 ? 0 : axis), axis);
-    const Eigen::VectorXd whole = x.colwise().squaredNorm();
-    x -= base_[a] * (base_[a].transpose() * x).eval();
+    Eigen::MatrixXd x(target_.layout.n, static_cast<Eigen::Index>(columns.size()));
+    Eigen::Index used = 0;
+    for (const Column& c : columns)
+      if (const auto shown = shown_in(c, axis)) x.col(used++) = noise_.whiten(target_.layout, *shown, axis);
+    x.conservativeResize(Eigen::NoChange, used);
+    const Eigen::MatrixXd in_base = base_[a].transpose() * x;
     Eigen::MatrixXd gram = x.transpose() * x;
-    for (Eigen::Index j = 0; j < x.cols(); ++j) gram(j, j) += kOwn * whole[j] + 1e-280;
-    const Eigen::VectorXd r = x.transpose() * residual_[a];
+    const Eigen::VectorXd whole = gram.diagonal();
+    gram -= in_base.transpose() * in_base;
+    for (Eigen::Index j = 0; j < used; ++j) gram(j, j) += kOwn * whole[j] + 1e-280;
+    const Eigen::VectorXd r = x.transpose() * residual_[a];  // which has no part in the base
     sum += 0.5 * r.dot(gram.llt().solve(r));
   }
   return sum;

@@ -8,8 +8,7 @@ namespace stillpoint::diag {
 class TermScan {
  public:
   TermScan(const Target& target, const Columns& explained, const NoiseModel& noise);
-  /// Of a number or a vector (n x 1, n x 3), axis by axis; of a vector with a matrix too.
-  [[nodiscard]] double gain(const Eigen::MatrixXd& value, bool matrix) const;
+  [[nodiscard]] double gain(const Columns& columns) const;
 
  private:
   const Target& target_;

@@ -39,8 +39,8 @@ void conclude(const SelfConsistency& model, const Forensics& raw, Diagnosis& d) 
       "accelerometer: without a reference only its norm at rest is witnessed; its dynamics, delay and cross terms stay "
       "untested. "
       "Record rests of 3 s in at least twelve attitudes, or a reference orientation and position");
-  const bool unknown = std::any_of(d.findings.begin(), d.findings.end(),
-                                   [](const Finding& f) { return f.effect.starts_with("unknown"); });
+  const bool unknown =
+      std::any_of(d.findings.begin(), d.findings.end(), [](const Finding& f) { return is_unknown(f); });
   if (!d.findings.empty()) {
     d.verdict = unknown ? Verdict::kUnexplained : Verdict::kExplained;
     std::vector<std::string> parts;

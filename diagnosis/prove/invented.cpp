@@ -190,12 +190,12 @@ InventedScore score_invented(const InventedCase& c, const sim::SimulationConfig&
                              const nlohmann::json& answer) {
   InventedScore out;
   out.clean = c.clean;
-  std::set<std::string> said;
+  std::set<std::string> drivers;
   for (const auto& f : answer.value("findings", nlohmann::json::array())) {
     if (f.value("effect", "").ends_with("_quant")) continue;
-    out.spoke = true;
+    out.said.push_back(f.value("effect", ""));
     if (f.contains("law"))
-      for (const auto& d : f["law"].value("drivers", std::vector<std::string>{})) said.insert(d);
+      for (const auto& d : f["law"].value("drivers", std::vector<std::string>{})) drivers.insert(d);
   }
   if (c.clean) return out;
   const auto before = on_fresh(c, {}), after = on_fresh(c, improved.effects);
@@ -207,7 +207,7 @@ InventedScore score_invented(const InventedCase& c, const sim::SimulationConfig&
   const Eigen::MatrixXd wanted = without_bias_and_matrix(matrix_of_rows(c.fresh_delta, n), vector);
   const Eigen::MatrixXd left = wanted - without_bias_and_matrix(modelled, vector);
   out.r2 = 1.0 - left.squaredNorm() / wanted.squaredNorm();
-  out.drivers_right = said == c.drivers || out.r2 >= 0.95;
+  out.drivers_right = drivers == c.drivers || out.r2 >= 0.95;
   return out;
 }
 
@@ -216,10 +216,10 @@ std::string invented_table(const std::vector<InventedScore>& scores) {
   std::vector<double> shares;
   for (const InventedScore& s : scores) {
     if (s.clean) {
-      ++clean, false_ones += s.spoke;
+      ++clean, false_ones += !s.said.empty();
       continue;
     }
-    ++laws, right += s.drivers_right, good += s.r2 >= 0.95, worse += s.r2 < -0.01, silent += !s.spoke;
+    ++laws, right += s.drivers_right, good += s.r2 >= 0.95, worse += s.r2 < -0.01, silent += s.said.empty();
     shares.push_back(s.r2);
   }
   std::sort(shares.begin(), shares.end());

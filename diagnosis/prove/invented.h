@@ -30,8 +30,8 @@ struct InventedCase {
 [[nodiscard]] nlohmann::json truth_of(const InventedCase& c);
 
 struct InventedScore {
-  bool clean = false, spoke = false;  ///< spoke: an effect was written into the simulation, or stated as unknown
-  bool drivers_right = false;
+  bool clean = false, drivers_right = false;
+  std::vector<std::string> said;  ///< the effects that were stated, unknown ones too; steps of readings are none
   double r2 = 0.0;  ///< share of the law's power on fresh motion that the improved simulation has, bias and matrix free
 };
 

@@ -12,6 +12,7 @@ namespace {
 constexpr double kPlainOffsetNats = 6.0;
 constexpr double kArmsAgree = 0.95;  // three arms of the size effect that agree are one lever arm
 constexpr double kStepInBody = 0.4;  // of a soft step's gain
+constexpr double kRowsLost = 0.95;   // a delay from one row on: rows are missing there
 constexpr double kAdequateNats = 3.0, kAdequateShare = 0.02;
 constexpr double kFreeNats = 3.0, kFreeShare = 0.003;
 constexpr int kDegree = 4;  // of a free function: bends once more than any law of the catalogue
@@ -87,6 +88,12 @@ Found free_function(const Driver& d, Sensor sensor, const Found& law) {
   return f;
 }
 
+/// A law of temperature, supply or current: in a window in which its column hardly changes, it is no more than an
+/// offset.
+bool follows_a_column(const std::string& id) {
+  return id.ends_with("_temp_lin") || id.ends_with("_volt") || id.ends_with("_current");
+}
+
 /// The first of the sorted ones that holds; null: none.
 template <class Holds>
 const Found* first_of(const std::vector<Found>& sorted, const Holds& holds) {
@@ -103,14 +110,15 @@ Found most_believable(const std::vector<Found>& sorted, bool current_recorded) {
     if (named == nullptr || best.net_nats >= named->net_nats + adequate_within(*named)) return best;
     return named->window.local && best.id == kPlainOffset ? best : *named;
   }
-  if (best.kind == Kind::kNamed && best.window.local && !best.id.starts_with("mag_")) {
-    const Found* offset = first([](const Found& f) { return f.id == kPlainOffset; });
+  if (best.kind == Kind::kNamed && best.window.local && (follows_a_column(best.id) || !best.id.starts_with("mag_"))) {
+    const Found* offset = first([](const Found& f) { return f.id == kPlainOffset || f.id == "mag_hard_step"; });
     if (offset != nullptr && offset->net_nats > best.net_nats - kPlainOffsetNats) return *offset;
   }
   const auto instead = [&](const char* id, double share) {
     const Found* other = first([&](const Found& f) { return f.id == id; });
     return other != nullptr && other->gain_nats > share * best.gain_nats ? *other : best;
   };
+  if (best.id.ends_with("_delay") && best.window.local) return instead("sys_gap", kRowsLost);
   if (best.id == "acc_size") return instead("acc_lever", kArmsAgree);
   if (best.id == "mag_soft_step" && !current_recorded) return instead("mag_hard_step", kStepInBody);
   return best;
@@ -142,6 +150,16 @@ Found adequate(const Signals& s, const SensorSearch& search, const Judge& judge,
   };
   const double of_free = net(free.columns), gain = of_free - net({});
   const double needed = of_free - std::max(kFreeNats, kFreeShare * gain);
+  if (law.window.local && follows_a_column(law.id)) {  // what a bent law does all the time, a straight one does there
+    Found lasting;
+    lasting.driver = law.driver;
+    lasting = free_function(*driver, search.sensor, lasting);
+    if (net(lasting.columns) > net(law.columns) + charge(0, {}) - charge(0, law.window)) {
+      judge.weigh(lasting);
+      lasting.rivals = std::move(law.rivals);
+      return lasting;
+    }
+  }
   if (net(law.columns) >= needed) return law;
   for (const Law& other : search.laws) {  // two laws of one driver are names, their sum is none
     if (other.id == law.id || other.shape_name == kTrackerShape || driver_of(s, search.sensor, other.id) != driver)
@@ -152,6 +170,18 @@ Found adequate(const Signals& s, const SensorSearch& search, const Judge& judge,
   judge.weigh(free);
   free.rivals = std::move(law.rivals);
   return free;
+}
+
+bool leaves_less(const SensorSearch& search, const Found& law) {
+  constexpr double kOfChance = 1.005;
+  Target t = search.target;
+  const auto power_left = [&t](const Columns& columns) {
+    return (fit_profile(t, columns).leftover.array().square().colwise() * t.layout.counts).sum();
+  };
+  const Columns explained = search.explained();
+  const double before = power_left(explained);
+  if (law.offset.size()) t.residual -= law.offset;
+  return power_left(law.offset.size() ? explained : joined(explained, law.columns)) < kOfChance * before;
 }
 
 }  // namespace stillpoint::diag

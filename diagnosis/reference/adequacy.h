@@ -18,4 +18,7 @@ inline constexpr const char* kPlainOffset = "unknown:offset(t)";
 /// other law of the library on that driver. Such a function is answered as unknown, with its driver.
 [[nodiscard]] Found adequate(const Signals& s, const SensorSearch& search, const Judge& judge, Found law);
 
+/// A model after which more is left than before has fitted the colour of a camera's noise, not the sensor.
+[[nodiscard]] bool leaves_less(const SensorSearch& search, const Found& law);
+
 }  // namespace stillpoint::diag

@@ -117,8 +117,9 @@ void strongest_column(const SensorSearch& search, const Found& f, const Eigen::V
     out.law = part;
     out.driver = *shown;
     out.label = f.driver.size() > kLongestLabel ? "driver" : f.driver;
-    if (j < f.names.size() && f.kind == Kind::kNamed)
-      out.label += fmt::format(" (factor of {}), {}", f.names[j], driver_unit(kSensorUnit[search.sensor], f.units[j]));
+    if (j >= f.names.size()) continue;
+    if (f.kind == Kind::kNamed) out.label += fmt::format(" (factor of {})", f.names[j]);
+    out.label += ", " + driver_unit(kSensorUnit[search.sensor], f.units[j]);
   }
 }
 

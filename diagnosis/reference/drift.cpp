@@ -44,9 +44,9 @@ Finished finish_beside_drift(SensorSearch& search) {
 
 bool reference_may_drift(const Signals& s, Sensor sensor, const Finished& finished) {
   constexpr double kMarkers_rad = 2e-3;
-  if (s.exact_reference || sensor != kAcc) return false;
+  if (s.exact_reference || sensor == kGyr) return false;
   const double fastest = *std::max_element(finished.fit.walk_q.begin(), finished.fit.walk_q.end());
-  return fastest * std::sqrt(s.duration_s()) < kMarkers_rad * s.gravity_mps2;
+  return fastest * std::sqrt(s.duration_s()) < kMarkers_rad * s.vector[sensor].rowwise().norm().mean();
 }
 
 bool walks_as_given(const Signals& s, Sensor sensor, const Finished& finished) {
@@ -60,7 +60,7 @@ bool walks_as_given(const Signals& s, Sensor sensor, const Finished& finished) {
 bool much_is_left(const Signals& s, const SensorSearch& search, const Finished& finished, const Diagnosis& told) {
   constexpr double kTimesTheNoise = 2.0;
   double noise_sd = s.noise_sd[search.sensor];
-  if (!s.exact_reference || noise_sd <= 0) return false;
+  if (!s.exact_reference || s.unresolved[search.sensor] || noise_sd <= 0) return false;
   for (const NoiseFault& n : told.noise)
     if (n.channel.starts_with(kSensorName[search.sensor])) noise_sd = std::max(noise_sd, n.measured);
   const Layout& layout = search.target.layout;

@@ -12,8 +12,8 @@ namespace stillpoint::diag {
 /// it.
 [[nodiscard]] Finished finish_beside_drift(SensorSearch& search);
 
-/// Markers settle and a camera's calibration wanders by milliradians: of that size gravity drifts in the body, and not
-/// the accelerometer.
+/// Markers settle and a camera's calibration wanders by milliradians: of that size gravity and the field drift in the
+/// body, not the sensors.
 [[nodiscard]] bool reference_may_drift(const Signals& s, Sensor sensor, const Finished& finished);
 
 /// A walk no faster than what the simulation has itself: its random walk, and its flicker, which passes for one within

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "diagnosis/reference/timing_in_window.h"
+
 namespace stillpoint::diag {
 namespace {
 
@@ -18,18 +20,18 @@ bool concerns_the_clock(const Found& f) {
 std::optional<Series3> same_offset(const Signals& s, Sensor sensor, const Found& f) {
   const std::string id = f.id.rfind("sys_", 0) == 0 ? f.id : std::string(kSensorName[sensor]) + "_delay";
   for (const TimingLaw& law : make_timing_laws(s, sensor, f.window.begin))
-    if (law.id == id) return law.delta(f.timing);
+    if (law.id == id) return in_window(law, f.window).delta(f.timing);
   return std::nullopt;
 }
 
 /// Whether a delay of the sensor's own explains clearly more than the common one: then it is not common.
-bool has_its_own(const Signals& s, const SensorSearch& search, double common_gain) {
+bool has_its_own(const Signals& s, const SensorSearch& search, const Window& window, double common_gain) {
   constexpr double kClearShare = 0.1;
   const Columns explained = search.explained();
   const NoiseModel noise(search.target.layout, fit_profile(search.target, explained).leftover);
   for (const TimingLaw& law : make_timing_laws(s, search.sensor, 0)) {
     if (!law.id.ends_with("_delay")) continue;
-    const TimingFit own = fit_timing(search.target, explained, noise, law);
+    const TimingFit own = fit_timing(search.target, explained, noise, in_window(law, window));
     if (own.gain_nats <= 0) return false;
     const double gain = gain_of_offset(search, own.delta);
     return gain > common_gain + std::max(kClearNats, kClearShare * gain);
@@ -37,8 +39,10 @@ bool has_its_own(const Signals& s, const SensorSearch& search, double common_gai
   return false;
 }
 
-/// Whether the other sensors confirm it; takes the offset out of them when they do.
-bool joins_all(const Signals& s, EngineResult& r, Sensor lead, Found& f, std::vector<Sensor>& sensors) {
+enum class Shared { kNo, kYes, kForAWhile };
+
+/// Whether the other sensors confirm it; takes the offset out of them when they do, unless it is one for a while.
+Shared shared_by_all(const Signals& s, EngineResult& r, Sensor lead, Found& f, std::vector<Sensor>& sensors) {
   std::array<std::optional<Series3>, kSensors> offsets;
   std::array<double, kSensors> gains{};
   double total = 0.0;
@@ -47,11 +51,12 @@ bool joins_all(const Signals& s, EngineResult& r, Sensor lead, Found& f, std::ve
     offsets[other] = same_offset(s, other, f);
     if (!offsets[other]) continue;
     gains[other] = gain_of_offset(*r.sensor[other], *offsets[other]);
-    if (f.id.ends_with("_delay") && has_its_own(s, *r.sensor[other], gains[other])) return false;
+    if (f.id.ends_with("_delay") && has_its_own(s, *r.sensor[other], f.window, gains[other])) return Shared::kNo;
     total += gains[other];
   }
   const bool must_be_common = f.id.rfind("sys_", 0) == 0;
-  if (total < (must_be_common ? -kClearNats : kClearNats)) return false;
+  if (total < (must_be_common ? -kClearNats : kClearNats)) return Shared::kNo;
+  if (f.window.local && !must_be_common) return Shared::kForAWhile;
   for (const Sensor other : {kAcc, kGyr, kMag}) {
     if (!offsets[other]) continue;
     r.sensor[other]->target.residual -= *offsets[other];
@@ -59,7 +64,9 @@ bool joins_all(const Signals& s, EngineResult& r, Sensor lead, Found& f, std::ve
     sensors.push_back(other);
   }
   if (!must_be_common) f.id = "sys_offset";
-  return true;
+  // The others are late as well.
+  std::erase_if(f.rivals, [](const Ranked& rival) { return rival.id.ends_with("_delay"); });
+  return Shared::kYes;
 }
 
 }  // namespace
@@ -86,8 +93,13 @@ EngineResult search_all(const Signals& s, const std::vector<std::string>& withou
     std::array<bool, kSensors> again{};
     if (lead >= 0) {
       std::vector<Sensor> sensors{static_cast<Sensor>(lead)};
-      const bool common = joins_all(s, r, static_cast<Sensor>(lead), *next[lead], sensors);
-      if (common) {
+      const Shared shared = shared_by_all(s, r, static_cast<Sensor>(lead), *next[lead], sensors);
+      if (shared == Shared::kForAWhile) {  // a piece of a latency that varies, for which there are laws
+        for (auto& search : r.sensor)
+          if (search) search->delays_in_windows = false;
+        continue;
+      }
+      if (shared == Shared::kYes) {
         r.system.push_back({*next[lead], static_cast<Sensor>(lead), sensors});
         for (const Sensor k : sensors) again[k] = k != lead;
       }

@@ -100,6 +100,11 @@ Finished finish(const SensorSearch& search) {
   return out;
 }
 
+Parameter number_of(const Finished& finished, Eigen::Index column, std::string name, std::string unit) {
+  const double v = finished.values[column], half = 1.96 * finished.sd[column];
+  return {std::move(name), v, {v - half, v + half}, std::move(unit)};
+}
+
 double chi_square_tail(double x, double k) {
   if (x <= 0) return 1.0;
   // Wilson and Hilferty's cube root is normal to better than one percent of the exponent for all k used here.

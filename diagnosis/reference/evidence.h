@@ -15,6 +15,9 @@ struct Finished {
 };
 [[nodiscard]] Finished finish(const SensorSearch& search);
 
+/// The number of one of its columns, with its interval.
+[[nodiscard]] Parameter number_of(const Finished& finished, Eigen::Index column, std::string name, std::string unit);
+
 /// First column of effect `index` among the explained ones.
 [[nodiscard]] Eigen::Index first_column(const SensorSearch& search, std::size_t index);
 
@@ -25,6 +28,10 @@ struct Finished {
 /// The same with the share that is removed on kinds of motion left out of the fit, and its interval; what is local in
 /// time on blocks, as it is in one kind only.
 [[nodiscard]] HeldOut held_out_by_regime(const SensorSearch& search, const std::vector<std::size_t>& effects);
+
+/// A law that is the cause removes nearly all that is removable wherever it acts; of what only goes along with the
+/// cause, not half is left elsewhere.
+[[nodiscard]] bool fails_elsewhere(const HeldOut& h);
 
 /// Upper tail of chi-square with k degrees of freedom.
 [[nodiscard]] double chi_square_tail(double x, double k);

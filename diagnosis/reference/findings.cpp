@@ -19,6 +19,7 @@
 #include "diagnosis/reference/remainder.h"
 #include "diagnosis/reference/steadiness.h"
 #include "diagnosis/reference/unrecorded.h"
+#include "diagnosis/reference/wider_law.h"
 #include "simulation/effect_catalogue.h"
 
 namespace stillpoint::diag {
@@ -46,11 +47,8 @@ void channels_of(const SensorSearch& search, std::size_t index, const Finished& 
 void parameters_of(const SensorSearch& search, std::size_t index, const Finished& finished, Finding& out) {
   const Found& f = search.found[index];
   const Eigen::Index first = first_column(search, index);
-  for (std::size_t j = 0; j < f.names.size() && j < f.columns.size(); ++j) {
-    const Eigen::Index at = first + static_cast<Eigen::Index>(j);
-    const double v = finished.values[at], half = 1.96 * finished.sd[at];
-    out.parameters.push_back({f.names[j], v, {v - half, v + half}, f.units[j]});
-  }
+  for (std::size_t j = 0; j < f.names.size() && j < f.columns.size(); ++j)
+    out.parameters.push_back(number_of(finished, first + static_cast<Eigen::Index>(j), f.names[j], f.units[j]));
   if (f.shape_name.empty()) return;
   const double half = 1.96 * finished.shape_sd[static_cast<Eigen::Index>(index)];
   out.parameters.push_back({f.shape_name, f.shape, {f.shape - half, f.shape + half}, f.shape_unit});
@@ -72,14 +70,18 @@ void rivals_of(const Found& f, Finding& out) {
   const auto ranked = std::find_if(f.rivals.begin(), f.rivals.end(), [&](const Ranked& r) { return r.id == f.id; });
   if (ranked == f.rivals.end()) return;
   if (f.kind == Kind::kUnknown)
-    for (const Ranked& r : f.rivals)
-      if (const auto law = law_tree(r.id))
+    for (const Ranked& r : f.rivals) {
+      const auto law = law_tree(r.id);
+      if (!law) continue;
+      const auto seen = [text = law_text(r.id)](const WeighedLaw& w) { return w.text == text; };  // in an earlier round
+      if (std::none_of(out.weighed.begin(), out.weighed.end(), seen))
         out.weighed.push_back({law_text(r.id), laws::complexity_bits(*law), r.gain_nats, r.net_nats});
+    }
   for (const Ranked& r : f.rivals) {
     if (r.id == f.id || r.id.ends_with("_world") ||
         std::find(out.equivalent.begin(), out.equivalent.end(), r.id) != out.equivalent.end())
       continue;
-    const bool tie = r.net_nats > ranked->net_nats - tie_nats(f.window) && r.id.rfind("unknown", 0) != 0;
+    const bool tie = r.net_nats > ranked->net_nats - tie_nats(f.window) && !is_unknown(r.id);
     if (tie && out.equivalent.size() < kMostEquivalent) {
       out.equivalent.push_back(r.id);
     } else if (!tie && out.runner_up_effect.empty()) {
@@ -92,6 +94,8 @@ void rivals_of(const Found& f, Finding& out) {
 
 std::string deciding_recording(const Finding& f) {
   const sim::EffectInfo* info = sim::find_effect(f.effect);
+  if (const auto others = not_excluded(f); f.wider && others.empty())
+    return fmt::format("to narrow the bounds: {}", info != nullptr ? info->told_apart_by : "more varied motion");
   if (!f.equivalent.empty()) {
     const sim::EffectInfo* other = sim::find_effect(f.equivalent.front());
     return fmt::format("{} or {}: told apart by: {}", f.effect, f.equivalent.front(),
@@ -102,7 +106,8 @@ std::string deciding_recording(const Finding& f) {
   return info == nullptr ? "vary each of the drivers alone" : fmt::format("to be sure: {}", info->told_apart_by);
 }
 
-Finding finding_from(const Signals& s, const SensorSearch& search, std::size_t index, const Finished& finished) {
+Finding finding_from(const Signals& s, const SensorSearch& search, std::size_t index, const Finished& finished,
+                     HeldOut held_out) {
   const Found& f = search.found[index];
   Finding out;
   out.effect = f.id;
@@ -111,7 +116,7 @@ Finding finding_from(const Signals& s, const SensorSearch& search, std::size_t i
   describe_time(s, f, out);
   channels_of(search, index, finished, out);
   parameters_of(search, index, finished, out);
-  out.held_out = held_out_by_regime(search, {index});
+  out.held_out = std::move(held_out);
   out.p_value = std::min(1.0, chi_square_tail(2.0 * f.gain_nats, static_cast<double>(f.columns.size())) *
                                   static_cast<double>(search.laws.size() + search.unknown.size()) *
                                   (f.window.local ? 500.0 : 1.0));
@@ -121,6 +126,7 @@ Finding finding_from(const Signals& s, const SensorSearch& search, std::size_t i
   if (f.id.ends_with("_resonance") && !s.exact_reference && f.timing.size() > 0 && f.timing[0] > kMotionBand_Hz)
     out.equivalent.emplace_back("ref_error");
   rivals_of(f, out);
+  out.wider = wider_law(search, index);
   out.figures = curves_of(s, search, index, finished);
   out.decided_by = f.id == kUnrecordedScalar ? "record " + missing_drivers(s, search.sensor) : deciding_recording(out);
   out.confidence = confidence_of(f.net_nats);
@@ -135,13 +141,6 @@ bool left_of_another(const SensorSearch& search, const Found& f) {
   });
 }
 
-/// A law that is the cause removes nearly all that is removable wherever it acts; of what only goes along with the
-/// cause, not half is left elsewhere.
-bool fails_elsewhere(const HeldOut& h) {
-  const bool judged = h.share_ci95[1] > h.share_ci95[0];
-  return judged && h.share_ci95[1] < 0.5;
-}
-
 bool holds(const SensorSearch& search, const std::string& part) {
   return std::any_of(search.found.begin(), search.found.end(),
                      [&part](const Found& f) { return f.id.find(part) != std::string::npos; });
@@ -151,10 +150,36 @@ void say_as_unknown(Finding& f, const char* name, const char* driver) {
   f.effect = name;
   f.driver = driver;
   f.equivalent.clear();
+  f.wider.reset();
   f.decided_by = "record what changes it";
 }
 
-bool has_no_model(const Finding& f) { return f.effect.starts_with("unknown") || f.effect.ends_with("_drift"); }
+/// What is stated of a sensor: no number of it is fitted beside a law that is not.
+struct Stated {
+  SensorSearch search;
+  Finished finished;
+  std::vector<HeldOut> held_out;  ///< of each law
+};
+
+Stated stated_of(const SensorSearch& search, const Finished& finished, std::vector<std::string>& notices) {
+  Stated out{search, finished, {}};
+  for (std::size_t i = 0; i < search.found.size(); ++i) {
+    const Found& f = search.found[i];
+    const HeldOut held_out = f.kind == Kind::kConfiguration ? HeldOut{} : held_out_by_regime(search, {i});
+    if (!fails_elsewhere(held_out)) {
+      out.held_out.push_back(held_out);
+      continue;
+    }
+    notices.push_back(
+        fmt::format("{} fits, but is not stated: on {} left out of its fit it removes {:.2g} of what is removable",
+                    f.id, held_out.on, held_out.removable_share_removed));
+    take_out(out.search, out.held_out.size());
+  }
+  if (out.held_out.size() < search.found.size()) out.finished = finish(out.search);
+  return out;
+}
+
+bool has_no_model(const Finding& f) { return is_unknown(f) || f.effect.ends_with("_drift"); }
 
 }  // namespace
 
@@ -188,36 +213,33 @@ void report_sensor(const Signals& s, const EngineResult& engine, Sensor sensor,
   const bool slow = drifting || (holds(search, kPlainOffset) && holds(search, "_temp_"));
   const bool piece = slow && locals(search) > 0 && !missing_drivers(s, sensor).empty();
   const bool switched = locals(search) >= 2 || piece;
-  if (switched) findings.push_back(switching_finding(finding_from(s, search, 0, finished), s, search));
-  for (std::size_t i = 0; i < search.found.size() && !switched; ++i) {
-    const Found& f = search.found[i];
+  if (switched) findings.push_back(switching_finding(finding_from(s, search, 0, finished, {}), s, search));
+  const Stated stated = switched ? Stated{} : stated_of(search, finished, answer.diagnosis.notices);
+  for (std::size_t i = 0; i < stated.search.found.size(); ++i) {
+    const Found& f = stated.search.found[i];
     if (f.kind == Kind::kConfiguration) continue;
     // The remainder of an effect already told, here or by the sensor that sees it best, is the same effect.
     const auto same = [&](const Finding& told) { return told.effect == f.id; };
     if (std::any_of(findings.begin(), findings.end(), same)) continue;
     if (std::any_of(answer.diagnosis.findings.begin(), answer.diagnosis.findings.end(), same)) continue;
-    Finding told = finding_from(s, search, i, finished);
-    if (fails_elsewhere(told.held_out)) {
-      answer.diagnosis.notices.push_back(
-          fmt::format("{} fits, but is not stated: on {} left out of its fit it removes {:.2g} of what is removable",
-                      f.id, told.held_out.on, told.held_out.removable_share_removed));
-      continue;
-    }
-    const bool varies = delay_varies(search, i, finished);
+    Finding told = finding_from(s, stated.search, i, stated.finished, stated.held_out[i]);
+    const bool varies = delay_varies(stated.search, i, stated.finished);
     if (varies) say_as_unknown(told, "unknown:delay(t)", "something that delays the rows, now more, now less");
     if (was_moved(f, s.n)) say_as_unknown(told, "unknown:mounting(t)", "the place of the sensor, or of the marker");
     findings.push_back(std::move(told));
     if (varies) continue;
-    const Eigen::Index count = static_cast<Eigen::Index>(f.columns.size());
-    if (const auto e = to_effect(f, finished.values.segment(first_column(search, i), count), s)) effects.push_back(*e);
-    if (const auto e = law_entry(f, sensor, finished.values.segment(first_column(search, i), count),
-                                 finished.sd.segment(first_column(search, i), count)))
-      effects.push_back(*e);
+    const auto first = first_column(stated.search, i), count = static_cast<Eigen::Index>(f.columns.size());
+    const Eigen::VectorXd values = stated.finished.values.segment(first, count);
+    if (const auto e = to_effect(f, values, s)) effects.push_back(*e);
+    if (const auto e = law_entry(f, sensor, values, stated.finished.sd.segment(first, count))) effects.push_back(*e);
     if (f.shape_name == kTrackerShape)
       effects.push_back({.id = "sys_tracker", .parameters = {{"tau_s", {f.shape}}}, .axes = {}, .window_s = {}});
   }
   // What drifts beside an unknown law is what its product leaves of it.
-  if (drifting && !switched && !search.has_unknown() && much_is_left(s, search, finished, answer.diagnosis)) {
+  // An autoregression may take a large misfit for its own memory: nothing drifts then, and yet the channel is no noise.
+  const bool silent = findings.empty() && search.found.empty();
+  if ((drifting || silent) && !switched && !search.has_unknown() &&
+      much_is_left(s, search, finished, answer.diagnosis)) {
     findings.push_back(remainder_finding(s, search));
   } else if (drifting && !switched && !search.has_unknown() && !contains(given, drift_id(sensor))) {
     findings.push_back(drift_finding(s, search, finished));

@@ -8,6 +8,7 @@
 #include "diagnosis/reference/apparatus.h"
 #include "diagnosis/reference/clock_of_rows.h"
 #include "diagnosis/reference/columns.h"
+#include "diagnosis/reference/timing_in_window.h"
 #include "simulation/effect_catalogue.h"
 
 namespace stillpoint::diag {
@@ -143,7 +144,7 @@ bool subtract_timing(Signals& s, Sensor k, const sim::EffectConfig& e) {
   const Window w = window_of(e, s);
   for (const TimingLaw& law : make_timing_laws(s, k, std::max<Eigen::Index>(w.begin, 1))) {
     if (law.id != id) continue;
-    s.residual[k] -= law.delta(*values);
+    s.residual[k] -= in_window(law, w).delta(*values);
     return true;
   }
   return false;
@@ -212,6 +213,8 @@ std::optional<sim::EffectConfig> to_effect(const Found& found, const Eigen::Vect
   const double begin_s = begin_of_row_s(s, found.window.begin);
   if (set_by_rule(found, values, s.dt_s, begin_s, e)) return e;
   if (!set_in_order(found, values, begin_s, *info, e)) return std::nullopt;
+  // The catalogue's law is about one supply; about another it leaves an offset that no entry holds.
+  if (found.window.local && found.id.ends_with("_volt") && found.shape != sim::kReferenceSupply_V) return std::nullopt;
   if (found.window.local) e.window_s = {begin_s, begin_of_row_s(s, found.window.end)};
   return e;
 }

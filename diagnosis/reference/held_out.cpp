@@ -206,4 +206,9 @@ HeldOut held_out_by_regime(const SensorSearch& search, const std::vector<std::si
   return out;
 }
 
+bool fails_elsewhere(const HeldOut& h) {
+  const bool judged = h.share_ci95[1] > h.share_ci95[0];
+  return judged && h.share_ci95[1] < 0.5;
+}
+
 }  // namespace stillpoint::diag

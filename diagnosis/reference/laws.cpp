@@ -4,6 +4,7 @@
 
 #include "diagnosis/reference/columns.h"
 #include "diagnosis/reference/separable.h"
+#include "simulation/effect_catalogue.h"
 
 namespace stillpoint::diag {
 namespace {
@@ -42,15 +43,16 @@ class LawList {
     add(
         prefix_ + "temp_quad", [&s](double) { return on_each_axis(s.temperature_K.cwiseAbs2()); },
         {"k2_x", "k2_y", "k2_z"}, u + "/K^2", "delta = k2 (T - 25 degC)^2", "temperature squared");
-    add(
+    Law& quad = add(
         prefix_ + "temp_quad",
         [&s](double) {
           Columns c = on_each_axis(s.temperature_K), square = on_each_axis(s.temperature_K.cwiseAbs2());
           c.insert(c.end(), square.begin(), square.end());
           return c;
         },
-        {"k1_x", "k1_y", "k1_z", "k2_x", "k2_y", "k2_z"}, u + "/K and " + u + "/K^2",
-        "delta = k1 (T - 25 degC) + k2 (T - 25 degC)^2", "temperature and its square");
+        {"k1_x", "k1_y", "k1_z", "k2_x", "k2_y", "k2_z"}, u + "/K^2", "delta = k1 (T - 25 degC) + k2 (T - 25 degC)^2",
+        "temperature and its square");
+    quad.units = {u + "/K", u + "/K", u + "/K", u + "/K^2", u + "/K^2", u + "/K^2"};
     Law& lag = add(
         prefix_ + "temp_lag",
         [&s](double tau) { return on_each_axis(lagged_difference(s.temperature_K, s.dt_s, tau)); }, kPerAxis, u + "/K",
@@ -155,9 +157,11 @@ class LawList {
   void supply() {
     const Signals& s = s_;
     if (!s.voltage_V.size() || sensor_ == kMag) return;
+    // About which supply is the bias' affair, but in a window.
     add(
-        prefix_ + "volt", [&s](double) { return on_each_axis(s.voltage_V.array() - s.voltage_V.mean()); }, kPerAxis,
-        std::string(kSensorUnit[sensor_]) + "/V", "delta = k (V - V0)", "supply voltage");
+        prefix_ + "volt", [&s](double V0) { return on_each_axis(s.voltage_V.array() - V0); }, kPerAxis,
+        std::string(kSensorUnit[sensor_]) + "/V", "delta = k (V - V0)", "supply voltage")
+        .shapes = {sim::kReferenceSupply_V, s.voltage_V.mean()};
   }
 
   void accelerometer() {
@@ -251,7 +255,8 @@ class LawList {
     field.extent = Extent::kWhole;
   }
 
-  /// Temperature, supply and the Earth do not stop acting in the middle of a recording.
+  /// What has a memory, bends or scales with a slow driver, or acts everywhere: a short stretch of it is another law.
+  /// So is a line over temperature where the supply, which may have done it, was not recorded.
   void never_local(std::initializer_list<const char*> parts) {
     for (Law& law : laws_)
       for (const char* part : parts)
@@ -281,7 +286,8 @@ std::vector<Law> make_laws(const Signals& s, Sensor sensor) {
   if (sensor == kGyr) list.gyroscope();
   if (sensor == kGyr) list.thermal_behind_tracker(), list.tracker();
   if (sensor == kMag) list.magnetometer();
-  list.never_local({"_temp_", "_volt", "_earth", "_gravity", "_vre"});
+  list.never_local({"_temp_quad", "_temp_lag", "_temp_scale", "_earth", "_gravity", "_vre"});
+  if (!s.voltage_V.size()) list.never_local({"_temp_"});
   std::vector<Law> laws = list.take();
   drop_inseparable(s, sensor, laws);
   return laws;

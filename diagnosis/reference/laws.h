@@ -33,6 +33,7 @@ struct Law {
   std::function<Columns(double shape)> columns;
   std::vector<std::string> coefficients;  ///< names, one a column
   std::string unit, equation, driver;
+  std::vector<std::string> units;  ///< of each coefficient, where they have not all the same
   std::string form_of;  ///< of a product: the law of the catalogue that has this very form for this sensor; empty: none
 };
 

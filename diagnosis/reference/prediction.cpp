@@ -129,6 +129,7 @@ void mute_unresolved(Signals& s, const std::array<Series, 2>& error, const std::
         muted = 1, ++count;
     const double share = static_cast<double>(count) / static_cast<double>(s.n);
     if (share < 0.005) continue;
+    s.unresolved[k] = true;
     s.present[k] = share < 0.9;
     s.notices.push_back(fmt::format(
         "{}: in {:.0f} % of the rows the body vibrates too fast for a reference of {:.0f} rows a second; {}. Record "

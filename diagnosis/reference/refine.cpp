@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "diagnosis/reference/golden_section.h"
+#include "diagnosis/reference/timing_in_window.h"
 
 namespace stillpoint::diag {
 namespace {
@@ -103,6 +104,24 @@ Window held_to(Eigen::Index shortest, const Target& target, const Columns& expla
   return likelihood(from) >= likelihood(until) ? from : until;
 }
 
+/// A delay or a filter: what one sensor can have for a while. A clock that runs wrong does so from its start.
+bool is_of_one_sensor(const TimingLaw& law) { return !law.id.starts_with("sys_"); }
+
+Found found_from(const TimingLaw& law, const TimingFit& fit, const Window& window) {
+  Found f;
+  f.id = law.id;
+  f.kind = Kind::kTiming;
+  f.window = window;
+  f.equation = law.equation;
+  f.driver = law.driver;
+  f.names = law.names;
+  f.units = law.units;
+  f.columns = fit.tangent;
+  f.offset = fit.delta;
+  f.timing = fit.parameters;
+  return f;
+}
+
 }  // namespace
 
 Window refine_window(const Target& target, const Columns& explained, const Law& law, const Candidate& c,
@@ -138,7 +157,7 @@ Found found_from(const Law& law, const Candidate& c, Columns columns) {
   f.driver = law.driver;
   f.form_of = law.form_of;
   f.names = law.coefficients;
-  f.units.assign(law.coefficients.size(), law.unit);
+  f.units = law.units.empty() ? std::vector<std::string>(law.coefficients.size(), law.unit) : law.units;
   f.columns = std::move(columns);
   f.fixed = law.fixed;
   if (!law.shape_name.empty())
@@ -166,33 +185,29 @@ std::vector<Found> refine_timing(const Signals& s, const SensorSearch& search, c
                                  const NoiseModel& noise) {
   bool wanted = false;
   Eigen::Index gap_begin = 0;
+  const Candidate* stretch = nullptr;
   for (const Candidate& c : shortlist) {
     const Law& law = search.law(c.law);
     if (law.kind != Kind::kTiming) continue;
     wanted = true;
     if (law.id == "sys_gap" && c.window.end == s.n && gap_begin == 0)
       gap_begin = refine_window(search.target, search.explained(), law, c, noise).begin;
+    if (search.delays_in_windows && law.id != "sys_gap" && c.window.local && stretch == nullptr) stretch = &c;
   }
   std::vector<Found> out;
   if (!wanted) return out;
   if (gap_begin > 0) gap_begin = refine_gap(s, search, noise, gap_begin);
-  for (const TimingLaw& law : make_timing_laws(s, search.sensor, gap_begin)) {
-    if (std::find(search.deleted.begin(), search.deleted.end(), law.id) != search.deleted.end()) continue;
+  const auto refine = [&](const TimingLaw& law, const Window& window) {
+    if (std::find(search.deleted.begin(), search.deleted.end(), law.id) != search.deleted.end()) return;
     const TimingFit fit = fit_timing(search.target, search.explained(), noise, law);
-    if (fit.gain_nats < 0) continue;
-    Found f;
-    f.id = law.id;
-    f.kind = Kind::kTiming;
-    f.window = law.id == "sys_gap" ? Window{true, gap_begin, s.n} : Window{};
-    f.equation = law.equation;
-    f.driver = law.driver;
-    f.names = law.names;
-    f.units = law.units;
-    f.columns = fit.tangent;
-    f.offset = fit.delta;
-    f.timing = fit.parameters;
-    out.push_back(std::move(f));
-  }
+    if (fit.gain_nats >= 0) out.push_back(found_from(law, fit, window));
+  };
+  for (const TimingLaw& law : make_timing_laws(s, search.sensor, gap_begin))
+    refine(law, law.id == "sys_gap" ? Window{true, gap_begin, s.n} : Window{});
+  if (stretch == nullptr) return out;
+  const Window window = refine_window(search.target, search.explained(), search.law(stretch->law), *stretch, noise);
+  for (const TimingLaw& law : make_timing_laws(s, search.sensor, 0))
+    if (is_of_one_sensor(law)) refine(in_window(law, window), window);
   return out;
 }
 

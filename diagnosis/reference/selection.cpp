@@ -46,8 +46,7 @@ std::vector<Candidate> look_at(const SensorSearch& search, std::size_t count, co
 void shorten(const SensorSearch& search, const std::vector<Candidate>& all, std::size_t named, std::size_t unknown,
              std::vector<Candidate>& out) {
   for (const Candidate& c : all) {
-    const bool is_unknown = search.law(c.law).kind == Kind::kUnknown;
-    std::size_t& left = is_unknown ? unknown : named;
+    std::size_t& left = search.law(c.law).kind == Kind::kUnknown ? unknown : named;
     if (left == 0 || net_of(c) < 0) continue;
     const bool known = std::any_of(
         out.begin(), out.end(), [&](const Candidate& o) { return o.law == c.law && o.window.local == c.window.local; });
@@ -117,7 +116,7 @@ bool possible(const SensorSearch& search, const Found& law) {
 
 bool pays(const SensorSearch& search, const Found& best) {
   const double least_share = search.has_unknown() ? kLeastShareBesideUnknown : kLeastShareOfFirst;
-  const bool free_form = best.id.starts_with("unknown:");  // there are more products than laws
+  const bool free_form = is_unknown(best.id);  // there are more products than laws
   const double least = search.first_gain > 0 || free_form ? kLeastNetBeside : kLeastNet;
   return best.net_nats >= least && best.gain_nats >= least_share * search.first_gain;
 }
@@ -130,9 +129,11 @@ std::optional<Found> chosen(const Signals& s, const SensorSearch& search, const 
     best = adequate(s, search, judge, std::move(*best));
     if (!pays(search, *best)) return std::nullopt;
     if (!possible(search, *best)) return std::nullopt;  // what comes next would take the same misfit's place
+    if (!leaves_less(search, *best)) return std::nullopt;
     if (robust_nats(search, *best) < charge(best->names.size(), best->window)) return std::nullopt;
-    if (best->id.starts_with("unknown:") && !best->window.local && !stands_beside_wandering(s, search, *best))
-      return std::nullopt;
+    // Half a milliradian of a camera's calibration is as large as a good magnetometer's noise: no name is stated of it.
+    const bool may_be_the_camera = search.sensor == kMag || (is_unknown(best->id) && !best->window.local);
+    if (may_be_the_camera && !stands_beside_wandering(s, search, *best)) return std::nullopt;
     best = against_the_unrecorded(s, search, judge, std::move(*best));
     if (best) return best;
     std::erase_if(sorted, [&](const Found& f) { return f.id == id; });

@@ -44,6 +44,7 @@ struct Signals {
   std::array<Series3, kSensors>
       vector;                        ///< best estimate of the true vector: the reference when exact, else the reading
   std::array<Mask, kSensors> muted;  ///< samples that say nothing about this sensor's residual
+  std::array<bool, kSensors> unresolved{};  ///< the body vibrates too fast for the reference: kept rows err with it too
   std::array<double, kSensors> noise_sd{};  ///< as configured, of one sample
   Series3 given_rate;                 ///< what effects that the simulation has already do to the gyroscope; empty: none
   Series3 rate, rate_dot;             ///< rad/s, rad/s^2

@@ -79,7 +79,7 @@ void drop_traces_of_lattices(const Signals& s, const Forensics& forensics, std::
     const double step = forensics.sensor[k].lattice_step.maxCoeff();
     if (!s.present[k] || !forensics.sensor[k].quantised || step < s.noise_sd[k]) continue;
     std::erase_if(findings, [&](const Finding& f) {
-      return f.effect.starts_with("unknown") && !f.channels.empty() && f.channels.front().starts_with(kSensorName[k]) &&
+      return is_unknown(f) && !f.channels.empty() && f.channels.front().starts_with(kSensorName[k]) &&
              f.held_out.rms_before < step;
     });
   }

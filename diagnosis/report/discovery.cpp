@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "diagnosis/discovery/law_words.h"
 #include "report/document.h"
@@ -12,7 +13,7 @@ namespace {
 
 using report::escaped;
 
-constexpr std::size_t kMostWeighed = 10;
+constexpr std::size_t kMostWeighed = 10, kFewestDrawn = 3;
 
 /// Why a law that was weighed is not the one that is stated.
 std::string why_not(const WeighedLaw& law, const WeighedLaw& stated) {
@@ -23,7 +24,7 @@ std::string why_not(const WeighedLaw& law, const WeighedLaw& stated) {
                     : fmt::format("{}; explains {:.0f} nats more, which do not pay for it", length, -less);
 }
 
-std::string weighed_table(const Finding& f, const std::string& stated_text) {
+std::string weighed_table(const Finding& f, const std::string& stated_text, std::size_t k) {
   const auto stated = std::find_if(f.weighed.begin(), f.weighed.end(),
                                    [&stated_text](const WeighedLaw& w) { return w.text == stated_text; });
   if (stated == f.weighed.end()) return {};
@@ -38,10 +39,33 @@ std::string weighed_table(const Finding& f, const std::string& stated_text) {
         "class=\"n\">{:.0f}</td><td>{}</td></tr>",
         escaped(w.text), w.bits, w.gain_nats, w.net_nats, why_not(w, *stated));
   }
-  return s + "</table>";
+  s += "</table>";
+  if (f.weighed.size() >= kFewestDrawn)
+    s += "<div class=\"figures\">" +
+         report::figure_html(fmt::format("weighed-{}", k), "Gain over length",
+                             "Each point is a law that was weighed; blue is the stated one. Further up explains more, "
+                             "further left is simpler.") +
+         "</div>";
+  return s;
 }
 
 }  // namespace
+
+std::vector<report::Plot> discovery_plots(const Finding& f, std::size_t k) {
+  const auto law = law_json(f);
+  if (!law || f.weighed.size() < kFewestDrawn) return {};
+  report::Plot p{fmt::format("weighed-{}", k), "length, bits", "gain, nats", {}, {}};
+  report::Curve others{"weighed", report::Colour::kBefore, {}, report::Mark::kDots},
+      stated{"stated", report::Colour::kAccent, {}, report::Mark::kDots};
+  for (const WeighedLaw& w : f.weighed) {
+    const bool is_stated = w.text == law->at("text").get<std::string>();
+    p.x.push_back(w.bits);
+    others.y.push_back(is_stated ? std::nan("") : w.gain_nats);
+    stated.y.push_back(is_stated ? w.gain_nats : std::nan(""));
+  }
+  p.curves = {others, stated};
+  return {report::in_order_of_x(std::move(p))};
+}
 
 std::string discovery_html(const Finding& f, std::size_t k) {
   const auto law = law_json(f);
@@ -52,7 +76,7 @@ std::string discovery_html(const Finding& f, std::size_t k) {
     for (const auto& words : known) s += "<li>" + escaped(words.get<std::string>()) + "</li>";
     s += "</ul>";
   }
-  s += weighed_table(f, law->at("text").get<std::string>());
+  s += weighed_table(f, law->at("text").get<std::string>(), k);
   if (f.figures.against_each.empty()) return s;
   s += "<h3>Residual against each quantity</h3><p class=\"how\">Orange before, green after: where the law is right, "
        "green is one even band in every panel. A slope or a bend that is left names what is still missing.</p><div "

@@ -55,19 +55,22 @@ const sim::EffectParameter* catalogued(const std::string& effect, const std::str
 
 std::string parameter_table(const Finding& f) {
   if (f.parameters.empty()) return {};
-  std::string s =
-      "<h3>Parameters</h3><p class=\"how\">Blue is the value with its 95 % interval, grey the range usual for such "
-      "sensors "
-      "(logarithmic in size); far outside it, the driver may stand in for another.</p><table><tr><th>name</th><th "
-      "class=\"n\">value"
-      "</th><th class=\"n\">95 % interval</th><th>unit</th><th>against the usual</th></tr>";
+  const bool is_usual = std::any_of(f.parameters.begin(), f.parameters.end(),
+                                    [&f](const Parameter& p) { return catalogued(f.effect, p.name) != nullptr; });
+  std::string s = "<h3>Parameters</h3>";
+  if (is_usual)
+    s += "<p class=\"how\">Blue is the value with its 95 % interval, grey the range usual for such sensors "
+         "(logarithmic in size); far outside it, the driver may stand in for another.</p>";
+  s += fmt::format(
+      "<table><tr><th>name</th><th class=\"n\">value</th><th class=\"n\">95 % interval</th><th>unit</th>{}</tr>",
+      is_usual ? "<th>against the usual</th>" : "");
   for (const auto& p : f.parameters) {
     const auto* usual = catalogued(f.effect, p.name);
     s += fmt::format(
         "<tr><td><code>{}</code></td><td class=\"n\">{:.5g}</td><td class=\"n\">{:.5g} … "
-        "{:.5g}</td><td>{}</td><td>{}</td></tr>",
+        "{:.5g}</td><td>{}</td>{}</tr>",
         escaped(p.name), p.value, p.ci95[0], p.ci95[1], escaped(p.unit),
-        usual ? svg::parameter_range(p, usual->typical_low, usual->typical_high) : "");
+        usual ? "<td>" + svg::parameter_range(p, usual->typical_low, usual->typical_high) + "</td>" : "");
   }
   return s + "</table>";
 }
@@ -91,6 +94,14 @@ std::string confidence_words(const Finding& f) {
   return f.confidence ? fmt::format("{:.2g}; {}", *f.confidence, p) : p;
 }
 
+std::string further_terms(const WiderLaw& w) {
+  std::string s = "of <code>" + escaped(w.effect) + "</code>, which has more terms:";
+  for (const Parameter& p : w.further)
+    s += fmt::format(" <code>{}</code> {:.2g} … {:.2g} {};", escaped(p.name), p.ci95[0], p.ci95[1], escaped(p.unit));
+  s.back() = '.';
+  return s;
+}
+
 std::string finding_card(const Finding& f, std::size_t k) {
   const auto* info = sim::find_effect(f.effect);
   std::string s = fmt::format("<section class=\"card\"><h2>{}. {} <code>{}</code></h2>", k + 1,
@@ -104,11 +115,12 @@ std::string finding_card(const Finding& f, std::size_t k) {
   row("law", f.equation.empty() ? "" : "<code>" + escaped(f.equation) + "</code>");
   row("driver", escaped(f.driver));
   row("confidence", confidence_words(f));
-  if (!f.equivalent.empty()) row("cannot be told from", joined(f.equivalent));
+  if (const auto others = not_excluded(f); !others.empty()) row("cannot be told from", joined(others));
+  if (f.wider) row("bounds", further_terms(*f.wider));
   if (!f.runner_up_effect.empty()) row("runner-up", escaped(f.runner_up_effect + ": " + f.runner_up_why_rejected));
   row("would decide", escaped(f.decided_by));
-  return s + "</table>" + parameter_table(f) + held_out_line(f.held_out) + discovery_html(f, k) +
-         figures_html(f.figures, k) + "</section>";
+  return s + "</table>" + parameter_table(f) + held_out_line(f.held_out) + figures_html(f.figures, k) +
+         discovery_html(f, k) + "</section>";
 }
 
 std::string baseline_tables(const Diagnosis& d) {
@@ -172,6 +184,7 @@ std::string report_html(const Diagnosis& d, const ReportContext& context) {
   for (std::size_t k = 0; k < d.findings.size(); ++k) {
     s += finding_card(d.findings[k], k);
     for (auto& plot : finding_plots(d.findings[k].figures, k)) plots.push_back(std::move(plot));
+    for (auto& plot : discovery_plots(d.findings[k], k)) plots.push_back(std::move(plot));
   }
   if (const auto map = svg::heat_map(d); !map.empty())
     s += "<h2>Where and when</h2><p class=\"how\">Misfit of the given simulation per channel and block of time, before "

@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "diagnosis/reference/adequacy.h"
 #include "tests/diagnosis/simulated.h"
 
 namespace stillpoint::diag {
@@ -81,6 +82,18 @@ TEST_P(LawAdequate, TwoLawsOfOneDriverKeepTheirNames) {
   const auto recording = record(config, "acc_cubic", {{"k3_per_mps2_2", {5e-5, -5e-5, 5e-5}}}, 23);
   config.effects.clear();
   EXPECT_THAT(names(diagnose(recording, config)), testing::UnorderedElementsAre("acc_asym", "acc_cubic"));
+}
+
+TEST(Adequacy, AShiftAfterWhichMoreIsLeftIsNoLaw) {
+  Result<Signals> s = make_signals(record(baseline("mocap", 60.0), "", {}, 5), baseline("mocap", 60.0), {});
+  ASSERT_TRUE(s);
+  const SensorSearch search = start_search(*s, kGyr);
+  const Series3 noise = fit_profile(search.target, {}).leftover;
+  Found shift;
+  shift.offset = 0.2 * noise;
+  EXPECT_TRUE(leaves_less(search, shift));
+  shift.offset = -0.2 * noise;
+  EXPECT_FALSE(leaves_less(search, shift));
 }
 
 }  // namespace

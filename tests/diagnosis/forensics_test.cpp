@@ -1,5 +1,6 @@
 /// Faults of raw values on a plain synthetic hand motion, and on the recordings where what is there is known.
 #include "diagnosis/forensics/forensics.h"
+#include "tests/source_folder.h"
 
 #include <gtest/gtest.h>
 
@@ -215,9 +216,8 @@ TEST(Forensics, SaysNothingOfAnEffectThatTheSimulationAlreadyHas) {
 }
 
 TEST(Forensics, FindsTheSlowMagnetometerAndTheLostRowsOfBroad) {
-  const std::string path =
-      std::string(STILLPOINT_SOURCE_DIR) + "/../shared/recordings/broad/03_undisturbed_slow_rotation_C.csv";
-  if (!std::filesystem::exists(path)) GTEST_SKIP() << "SKIPPED, recording absent: " << path;
+  const std::string path = in_source("../shared/recordings/broad/03_undisturbed_slow_rotation_C.csv");
+  if (!std::filesystem::exists(path)) GTEST_SKIP() << "LOUD: SKIPPED, recording absent: " << path;
   const auto r = io::read_recording(path);
   ASSERT_TRUE(r.has_value());
   const auto f = examine_raw_values(*r, baseline());

@@ -84,9 +84,9 @@ TEST(Report, ShowsWhatADiscoveredLawWasWeighedAgainst) {
                                     .validation = "",
                                     .blocks_to_paste = "",
                                     .code = {{"law_1.py", "def law_1(t, w, T): return a < b"}}});
-  for (const char* text :
-       {"shorter; explains 417 nats less", "longer; explains 3 nats more, which do not pay for it", "<b>stated</b>",
-        "heating of the drive loop", "id=\"each-0-0\"", "T, degC", "law_1.py", "return a &lt; b"})
+  for (const char* text : {"shorter; explains 417 nats less", "longer; explains 3 nats more, which do not pay for it",
+                           "<b>stated</b>", "heating of the drive loop", "id=\"each-0-0\"", "id=\"weighed-0\"",
+                           "\"id\":\"weighed-0\"", "T, degC", "law_1.py", "return a &lt; b"})
     EXPECT_THAT(html, HasSubstr(text));
   EXPECT_THAT(report_html(example(), {}), Not(HasSubstr("weighed against")));
 }

@@ -139,5 +139,10 @@ TEST(Laws, ALongerTextCostsMoreBits) {
   EXPECT_LT(complexity_bits(parsed("lag(I, 2)")), complexity_bits(parsed("lag(I, 2.345)")));
 }
 
+TEST(Laws, ANumberThatStandsTwiceIsSaidOnce) {
+  EXPECT_LT(complexity_bits(parsed("step(I, 0.15626) * (I - 0.15626)")),
+            complexity_bits(parsed("step(I, 0.15626) * (I - 0.15627)")) - 20.0);
+}
+
 }  // namespace
 }  // namespace stillpoint::laws

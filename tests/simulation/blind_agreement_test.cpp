@@ -7,11 +7,12 @@
 
 #include "io/simulated_recording.h"
 #include "io/simulation_yaml.h"
+#include "tests/source_folder.h"
 
 namespace stillpoint::sim {
 namespace {
 
-const std::string kFolder = std::string(STILLPOINT_SOURCE_DIR) + "/../shared/blind_open";
+const std::string kFolder = in_source("../shared/blind_open");
 
 struct Residual {
   std::array<std::vector<double>, 3> axis;
@@ -56,7 +57,7 @@ class CleanCase : public ::testing::TestWithParam<std::string> {};
 
 TEST_P(CleanCase, LeavesOnlyTheStatedWhiteNoise) {
   const std::string stem = kFolder + "/cases/" + GetParam();
-  if (!std::filesystem::exists(stem + ".csv")) GTEST_SKIP() << "SKIPPED: " << stem << ".csv is not here";
+  if (!std::filesystem::exists(stem + ".csv")) GTEST_SKIP() << "LOUD: SKIPPED: " << stem << ".csv is not here";
   auto config = io::read_simulation(stem + ".yaml");
   ASSERT_TRUE(config) << config.error().message;
   const auto recording = io::read_recording(stem + ".csv");

@@ -84,5 +84,18 @@ TEST(Law, StaleHoldRepeatsExactlyEveryNth) {
   }
 }
 
+TEST(Law, StaleHoldOfAResampledFileLastsAPartOfARowMoreOnAverage) {
+  constexpr double kRows = 2.8;
+  const Twins twins({effect("{effect: mag_hold, n: 2.8}")});
+  std::size_t fresh = 0;
+  for (std::size_t i = 0; i < twins.size(); ++i) {
+    const auto part = static_cast<std::size_t>(std::floor(static_cast<double>(i) / kRows));
+    const auto since = static_cast<std::size_t>(std::ceil(static_cast<double>(part) * kRows));
+    ASSERT_EQ(twins.on[i].sample.mag_uT, twins.off[since].sample.mag_uT) << i;
+    fresh += since == i ? 1 : 0;
+  }
+  EXPECT_NEAR(static_cast<double>(twins.size()) / static_cast<double>(fresh), kRows, 0.01);
+}
+
 }  // namespace
 }  // namespace stillpoint::sim

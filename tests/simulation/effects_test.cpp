@@ -4,6 +4,7 @@
 
 #include "simulation/strength.h"
 #include "tests/simulation/effect_twins.h"
+#include "tests/source_folder.h"
 
 namespace stillpoint::sim {
 namespace {
@@ -160,7 +161,7 @@ INSTANTIATE_TEST_SUITE_P(Catalogue, EveryFaultThatMovesAnAxis,
 /// The table is no longer than what is tested of it: each ID stands in a test of its own equation, outside this file.
 TEST(EffectCatalogue, EveryIdHasATestOfItsEquation) {
   std::string tests;
-  for (const auto& file : std::filesystem::directory_iterator(STILLPOINT_SOURCE_DIR "/tests/simulation")) {
+  for (const auto& file : std::filesystem::directory_iterator(in_source("tests/simulation"))) {
     const std::string name = file.path().filename();
     if (!name.starts_with("effects_") || name == "effects_test.cpp") continue;
     std::ifstream in(file.path());

@@ -7,6 +7,7 @@
 
 #include "simulation/effect_catalogue.h"
 #include "simulation/simulator.h"
+#include "tests/source_folder.h"
 
 namespace stillpoint::sim {
 namespace {
@@ -29,7 +30,10 @@ TEST(SimulationYaml, NamesEveryMistakeWithLineAndColumn) {
               HasSubstr("gyr_delay needs 'tau_s' (one number, s)"));
   EXPECT_THAT(faults_of(kSensor + "effects: [{effect: gyr_lpf, tau_s: -1}]\n"),
               HasSubstr("'tau_s' must be greater than 0"));
-  EXPECT_THAT(faults_of(kSensor + "effects: [{effect: mag_hold, n: 2.5}]\n"), HasSubstr("whole number"));
+  EXPECT_THAT(faults_of(kSensor + "effects: [{effect: sys_gap, n: 2.5, t0_s: 1}]\n"), HasSubstr("whole number"));
+  EXPECT_THAT(faults_of(kSensor + "effects: [{effect: sys_gap, n: 0, t0_s: 1}]\n"), HasSubstr("whole number"));
+  EXPECT_THAT(faults_of(kSensor + "effects: [{effect: mag_hold, n: 0.5}]\n"), HasSubstr("1 to 1e6 samples"));
+  EXPECT_EQ(faults_of(kSensor + "effects: [{effect: mag_hold, n: 2.8}, {effect: sys_gap, n: -4, t0_s: 1}]\n"), "");
   EXPECT_THAT(faults_of(kSensor + "effects: [{effect: acc_quad, k2_per_mps2: 1, axes: [x, q]}]\n"),
               HasSubstr("'q' is not an axis"));
   EXPECT_THAT(faults_of(kSensor + "effects: [{effect: acc_quad, k2_per_mps2: 1, window_s: [5, 5]}]\n"),
@@ -95,7 +99,7 @@ TEST(SimulationYaml, EveryEffectOfTheCatalogueReadsBack) {
 }
 
 TEST(SimulationYaml, ShippedSimulationsRun) {
-  for (const auto& file : std::filesystem::directory_iterator(std::string(STILLPOINT_SOURCE_DIR) + "/configs")) {
+  for (const auto& file : std::filesystem::directory_iterator(in_source("configs"))) {
     const std::string name = file.path().filename();
     if (!name.starts_with("sim_")) continue;
     auto config = io::read_simulation(file.path());
@@ -107,7 +111,7 @@ TEST(SimulationYaml, ShippedSimulationsRun) {
 }
 
 TEST(EffectCatalogue, PageInTheDocumentationIsTheTable) {
-  std::ifstream file(std::string(STILLPOINT_SOURCE_DIR) + "/docs/effects.md");
+  std::ifstream file(in_source("docs/effects.md"));
   const std::string page{std::istreambuf_iterator<char>(file), {}};
   EXPECT_EQ(page, effect_catalogue_page()) << "write it anew: stillpoint effects > docs/effects.md";
 }

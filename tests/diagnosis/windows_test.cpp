@@ -1,0 +1,72 @@
+/// What acts in a part of the recording only keeps its name, and its window.
+#include <gmock/gmock.h>
+
+#include "tests/diagnosis/simulated.h"
+
+namespace stillpoint::diag {
+namespace {
+
+using test::names;
+using test::Parameters;
+
+constexpr double kFrom_s = 40.0, kUntil_s = 60.0;
+constexpr double kRest_s = 3.0;  // an edge in a rest is not seen
+
+io::Recording for_a_while(sim::SimulationConfig config, const std::string& id, const Parameters& parameters,
+                          std::uint64_t seed) {
+  config.effects.push_back({.id = id, .parameters = parameters, .axes = {}, .window_s = {{kFrom_s, kUntil_s}}});
+  return test::record(config, "", {}, seed);
+}
+
+sim::SimulationConfig loaded() {
+  auto config = test::baseline("exact");
+  config.environment.temperature = {.kind = "warm_up", .start_degC = 22.0, .rise_K = 12.0, .tau_s = 40.0};
+  config.environment.current.kind = "steps";
+  return config;
+}
+
+TEST(Windows, ADelayOrAFilterThatIsSwitchedOnAndOffKeepsItsName) {
+  const auto config = test::baseline("exact");
+  for (const auto* id : {"gyr_delay", "acc_lpf", "mag_delay"}) {
+    Answer answer = diagnose(for_a_while(config, id, {{"tau_s", {0.008}}}, 7), config);
+    ASSERT_THAT(names(answer), testing::ElementsAre(id));
+    const Finding& f = answer.diagnosis.findings.front();
+    EXPECT_NEAR(f.interval_s[0], kFrom_s, kRest_s) << id;
+    EXPECT_NEAR(f.interval_s[1], kUntil_s, kRest_s) << id;
+    EXPECT_NEAR(f.parameters.front().value, 0.008, 0.001) << id;
+  }
+}
+
+TEST(Windows, RowsLostFromOneOnAreNoDelayUntilTheEnd) {
+  const auto config = test::baseline("exact");
+  const Answer answer = diagnose(test::record(config, "sys_gap", {{"n", {4}}, {"t0_s", {45}}}, 7), config);
+  ASSERT_THAT(names(answer), testing::ElementsAre("sys_gap"));
+  EXPECT_THAT(answer.diagnosis.findings.front().equivalent, testing::IsEmpty());
+}
+
+TEST(Windows, TheImprovedSimulationHasTheDelayInItsWindow) {
+  auto config = test::baseline("exact");
+  const io::Recording recording = for_a_while(config, "gyr_delay", {{"tau_s", {0.008}}}, 7);
+  config.effects = diagnose(recording, config).effects;
+  ASSERT_EQ(config.effects.size(), 1U);
+  EXPECT_TRUE(config.effects.front().window_s);
+  EXPECT_THAT(names(diagnose(recording, config)), testing::IsEmpty());
+}
+
+TEST(Windows, TheSupplyThatMattersForAWhileIsNamed) {
+  const Parameters k{{"k_radps_per_V", {0.010, -0.006, 0.008}}};
+  for (const std::uint64_t seed : {3, 4})
+    EXPECT_THAT(names(diagnose(for_a_while(loaded(), "gyr_volt", k, seed), loaded())), testing::ElementsAre("gyr_volt"))
+        << seed;
+}
+
+TEST(Windows, TheTemperatureOfAWindowInWhichItHardlyChangesIsNotNamed) {
+  auto config = loaded();
+  config.environment.temperature.tau_s = 8.0;
+  const Parameters k{{"k_mps2_per_K", {0.01, -0.02, 0.015}}};
+  EXPECT_THAT(names(diagnose(for_a_while(config, "acc_temp_lin", k, 5), config)),
+              testing::Each(testing::Not(testing::HasSubstr("temp"))));
+}
+
+}  // namespace
+}  // namespace stillpoint::diag
