@@ -11,12 +11,14 @@ constexpr double kGate = 4.0;                 // sd; beyond, a window is refused
 constexpr double kHuber = 1.5;                // sd; beyond, a window counts less
 constexpr double kSameDirection = 0.985;      // cosine of 10 degrees
 constexpr double kSameDirectionLimit = 10.0;  // Gietzelt 2.4: up to ten measurements of a direction
+constexpr double kShortWay_rad = 0.1;         // 2 % of it are 2 mrad
 constexpr double kNewAttitude = 0.92;         // cosine of 23 degrees: it may speak
 constexpr double kErrorMemory = 0.98;
-constexpr double kLeastNoise = 0.25;           // of the assumed variance
-constexpr double kMostlyNoise = 0.5;           // of an error: what is known is the smaller part
-constexpr std::uint32_t kRefusedToOpen = 2;    // in a row: a single window may have been pushed
-constexpr std::uint32_t kAttitudesNeeded = 4;  // to win, and to have learnt something worth defending
+constexpr double kDoubtComes = 1.0, kDoubtGoes = 0.1;  // share of one attitude in what is unexplained
+constexpr double kLeastNoise = 0.25;                   // of the assumed variance
+constexpr double kMostlyNoise = 0.5;                   // of an error: what is known is the smaller part
+constexpr std::uint32_t kRefusedToOpen = 2;            // in a row: a single window may have been pushed
+constexpr std::uint32_t kAttitudesNeeded = 4;          // to win, and to have learnt something worth defending
 
 double squared(double v) { return v * v; }
 
@@ -60,7 +62,12 @@ double AccLearner::variance_of(const Window& w, const Vec3& x) noexcept {
   const Vec3 n = mat(factory_.matrix).transpose() * up;
   const double norm_var = n.dot(mat(w.acc_cov) * n) + squared(params_.filter.norm_floor_mps2);
   const bool same = up.dot(vec(s_.last_direction)) > kSameDirection;
-  s_.unrest.see(x.norm(), same);
+  const Array4& q = w.q_previous_this;
+  const Vec3 before = vec(s_.last_direction), turned = Quat(q[0], q[1], q[2], q[3]) * up;
+  // Of a longer way the gyroscope's scale leaves too much; of an offset that is not known yet, whichever is smaller.
+  const bool short_way = w.rotation_valid && w.rotation_path_rad < kShortWay_rad;
+  const double step_rad = short_way ? std::min((up - before).norm(), (turned - before).norm()) : 0.0;
+  s_.unrest.see(x.norm(), same, step_rad);
   double variance = 4.0 * std::max(s_.noise.variance_scale(kLeastNoise) * norm_var / (g * g), s_.unrest.variance());
   // The same direction again and again is one reading with one unmodelled error: its weight stops growing at ten.
   s_.same_direction = same ? s_.same_direction + 1 : 0;
@@ -76,10 +83,13 @@ double AccLearner::variance_of(const Window& w, const Vec3& x) noexcept {
 bool AccLearner::absorb(const Window& w) noexcept {
   const Vec3 x = factory_.apply(w.acc_mps2, w.temp_degC) / params_.gravity_mps2;
   if (!x.allFinite()) return false;
-  const double variance = variance_of(w, x);
+  const double calm = variance_of(w, x), sideways = 4.0 * s_.unrest.sideways_variance();
+  const double variance = calm + sideways;
   const AccFilter::Innovation e = innovation(x, w.temp_degC);
   const double ratio = std::abs(e.value) / std::sqrt(e.variance + variance + slope_variance());
-  const bool refused = ratio > kGate;
+  // What is known well is not given up to a push: it is refused as if there were none.
+  const bool refused = squared(e.value) > squared(kGate) * (e.variance + calm + slope_variance());
+  if (s_.same_direction == 0 && !refused && e.variance < variance) follow_drift(e, variance);
   hear(x, w.temp_degC, variance, refused);
   if (refused) {
     ++s_.refused;
@@ -90,7 +100,9 @@ bool AccLearner::absorb(const Window& w) noexcept {
   s_.factory_error = kErrorMemory * s_.factory_error + say * squared(x.squaredNorm() - 1.0);
   s_.learnt_error = kErrorMemory * s_.learnt_error + say * squared(e.value);
   s_.error_weight = kErrorMemory * s_.error_weight + say;
-  if (e.variance < kMostlyNoise * variance && 4.0 * s_.unrest.variance() < variance)
+  // Nor is one that counts less for its direction: beside what is assumed of it then, it agrees too well.
+  const bool fresh = s_.same_direction < kSameDirectionLimit;
+  if (fresh && e.variance < kMostlyNoise * variance && 4.0 * s_.unrest.variance() + sideways < calm)
     s_.noise.see(ratio * ratio * s_.noise.variance_scale(kLeastNoise), 1.0);
   learn(x, w, variance, std::max(1.0, ratio / kHuber));
   s_.learnt_in.add(x.normalized());
@@ -107,6 +119,7 @@ void AccLearner::open_rival(const Vec3& up_body, double surprise) noexcept {
   rival_.open(0.5 * std::abs(surprise));  // the entries are squares of the norm
   rivalry_.open(up_body);
   s_.voted_up = array(up_body);
+  s_.noise = {};  // that the sensor agreed until now is no evidence of another one
 }
 
 /// What a window says of the two hypotheses, and to the rival. An attitude speaks once, by its first window.
@@ -145,6 +158,14 @@ void AccLearner::exchange() noexcept {
   }
   s_.replaced = 1;
   s_.factory_error = s_.learnt_error = s_.error_weight = 0.0;
+}
+
+/// A bias that wanders faster than assumed, as with a temperature that nobody tells: attitude after attitude is off by
+/// more than was stated.
+void AccLearner::follow_drift(const AccFilter::Innovation& e, double variance) noexcept {
+  const double stated = e.variance + variance;
+  const double excess = std::min(squared(e.value), squared(kGate) * stated) - stated;
+  unexplained_ += (excess > unexplained_ ? kDoubtComes : kDoubtGoes) * (excess - unexplained_);
 }
 
 void AccLearner::learn(const Vec3& x, const Window& w, double variance, double doubt) noexcept {
@@ -190,6 +211,7 @@ AccLearner::Estimate AccLearner::estimate(double temp_degC) const noexcept {
 /// With what the rival makes of it: the stated deviation grows while evidence contradicts.
 AccLearner::Estimate AccLearner::doubted(double temp_degC) const noexcept {
   Estimate e = estimate(temp_degC);
+  e.covariance.diagonal().tail<3>().array() += std::max(0.0, unexplained_);
   const double weight = rivalry_.weight(s_.pending);
   if (!e.valid || weight == 0.0) return e;
   const double t = tau(temp_degC);

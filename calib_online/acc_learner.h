@@ -53,6 +53,8 @@ class AccLearner {
   void publish(double temp_degC, const SeenTemperatures& seen, TriadCalibration& out) noexcept;
 
   [[nodiscard]] std::uint32_t windows() const noexcept { return s_.windows; }
+  /// What pushes sideways may be in the present window's direction, rad^2.
+  [[nodiscard]] double pushed_var() const noexcept { return s_.unrest.sideways_now_sq; }
   [[nodiscard]] State state() const noexcept;
   void restore(const State& s) noexcept;
 
@@ -73,13 +75,15 @@ class AccLearner {
   void hear(const Vec3& x, double temp_degC, double variance, bool refused) noexcept;
   void open_rival(const Vec3& up_body, double surprise) noexcept;
   void exchange() noexcept;
+  void follow_drift(const AccFilter::Innovation& e, double variance) noexcept;
 
   AccLearnerParams params_;
   TriadCalibration factory_;
   AccFilter published_, rival_;
   TemperatureCells cells_;
   Rivalry rivalry_;
-  State s_;  ///< its filters' states are filled in by state()
+  double unexplained_ = 0.0;  ///< of an attitude's squared error, beyond what was stated; fading, 0 after a restart
+  State s_;                   ///< its filters' states are filled in by state()
 };
 
 }  // namespace stillpoint::calib

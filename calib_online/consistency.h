@@ -2,6 +2,7 @@
 /// assumes. It makes stated deviations grow while evidence contradicts, and shrink where the model was too careful.
 #pragma once
 #include <algorithm>
+#include <cmath>
 
 namespace stillpoint::calib {
 
@@ -18,7 +19,10 @@ struct Consistency {
   [[nodiscard]] double variance_scale(double least) const noexcept {
     constexpr double kAssumed = 12.0;  // so much evidence the assumption is worth
     constexpr double kMost = 9.0;
-    return std::clamp((chi2 + kAssumed) / (freedom + kAssumed), least, kMost);
+    // Below one by logarithms: added, a hundredth could not bring the assumption below a tenth.
+    const double scale = chi2 < freedom ? std::pow(chi2 / freedom, freedom / (freedom + kAssumed))
+                                        : (chi2 + kAssumed) / (freedom + kAssumed);
+    return std::clamp(scale, least, kMost);
   }
 };
 

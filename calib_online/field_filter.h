@@ -19,8 +19,8 @@ struct FieldFilterParams {
   double repeats = 50.0;
   double gyr_bias_sd_radps = 0.2 * kRadPerDeg;
 
+  template <class P = FieldFilterParams>
   static constexpr auto fields() {
-    using P = FieldFilterParams;
     return std::tuple{
         field("soft_iron_sd", &P::soft_iron_sd, in_range(1e-4, 0.5),
               "sd of the factory calibration's matrix per element, mounting included"),

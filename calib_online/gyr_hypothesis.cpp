@@ -11,6 +11,8 @@ constexpr double kStretch_s = 900.0;                   // longer, and the bias m
 constexpr double kStretchTemp_K = 4.0;                 // beyond, one mean says too little of the slope
 constexpr double kAnotherAttitude = 0.985;             // cosine of 10 degrees
 constexpr double kSingle_radps = 0.1 * kRadPerDeg;     // a stretch of one window may be no rest at all; fades as 1/n
+constexpr double kLeastNoise = 0.01;                   // of the assumed variance
+constexpr double kMostlyNoise = 0.5;                   // of an error: what is known is the smaller part
 constexpr double kHuber = 2.0;                         // sd; beyond, a window counts less
 constexpr double kFreeTurn_radps = 30.0 * kRadPerDeg;  // any turn about an axis that neither gravity nor field shows
 constexpr double kUnseen = 4.0;                        // times the variance of a turn about the others: such an axis
@@ -28,8 +30,8 @@ void Stretch::add(const RestRate& r) noexcept {
     turn_covariance = array(r.turn_covariance);
     up = array(r.up_body);
     direction_sd = r.direction_sd;
-    noise_scale = r.noise_scale;
     rate = {};
+    rounding_var = {};
     covariance = {};
     tau = tau2 = 0.0;
   }
@@ -39,6 +41,7 @@ void Stretch::add(const RestRate& r) noexcept {
       n > 1 ? (r.rate_radps - vec(rate)).norm() / std::sqrt(r.covariance.trace() + squared(kSingle_radps / n)) : 0.0;
   vec(rate) += (r.rate_radps - vec(rate)) / (n * std::max(1.0, surprise / kHuber));
   mat(covariance) += (r.covariance - mat(covariance)) / n;
+  vec(rounding_var) += (r.rounding_var - vec(rounding_var)) / n;
   tau += (r.tau - tau) / n;
   tau2 += (r.tau * r.tau - tau2) / n;
   if (r.turn_covariance.trace() < mat(turn_covariance).trace()) turn_covariance = array(r.turn_covariance);
@@ -51,12 +54,14 @@ Vec3 Stretch::unseen_axis() const noexcept {
   return turn.eigenvalues()[2] > kUnseen * turn.eigenvalues()[1] ? Vec3(turn.eigenvectors().col(2)) : Vec3::Zero();
 }
 
-Mat3 Stretch::mean_covariance() const noexcept {
+Mat3 Stretch::mean_covariance(double noise_scale) const noexcept {
   const double n = std::max(1U, windows);
-  return mat(covariance) / n + noise_scale * squared(kSingle_radps / n) * Mat3::Identity();
+  Mat3 out = mat(covariance) / n + noise_scale * squared(kSingle_radps / n) * Mat3::Identity();
+  out.diagonal() += vec(rounding_var);
+  return out;
 }
 
-Mat3 Stretch::turn() const noexcept {
+Mat3 Stretch::turn(double noise_scale) const noexcept {
   const Eigen::SelfAdjointEigenSolver<Mat3> turn(mat(turn_covariance));
   Vec3 scale = Vec3::Constant(noise_scale);
   if (turn.eigenvalues()[2] > kUnseen * turn.eigenvalues()[1]) scale[2] = 1.0;
@@ -72,7 +77,10 @@ void GyrHypothesis::restore(const State& s) noexcept {
   filter_.restore(s.filter);
   stretch_ = Stretch{};
   windows_ = s.windows;
+  noise_ = s.noise;
 }
+
+double GyrHypothesis::noise_scale() const noexcept { return noise_.variance_scale(kLeastNoise); }
 
 void GyrHypothesis::separate(const RestRate& r, bool moved) noexcept {
   const bool another = moved || (stretch_.windows > 0 && !stretch_.same_attitude(r));
@@ -90,21 +98,36 @@ Fit GyrHypothesis::fit(const RestRate& r) const noexcept {
   const GyrFilter present = now();
   const double tau2 = r.tau * r.tau;
   const Vec3 e = r.rate_radps - present.at(r.tau, tau2);
-  const Mat3 S = present.covariance_at(r.tau, tau2) + r.covariance + r.turn_covariance +
-                 squared(3.0 * params_.mean_floor_radps) * Mat3::Identity();
+  Mat3 S = present.covariance_at(r.tau, tau2) + r.covariance + r.turn_covariance +
+           squared(3.0 * params_.mean_floor_radps) * Mat3::Identity();
+  S.diagonal() += r.rounding_var;
   return {e.dot(S.inverse() * e), log_determinant(S), S.trace() / 3.0};
 }
 
-Fit GyrHypothesis::fit_of_stretch(const Stretch& s) const noexcept {
-  const Vec3 e = vec(s.rate) - filter_.at(s.tau, s.tau2);
-  Mat3 S = filter_.covariance_at(s.tau, s.tau2) + s.mean_covariance() + s.turn() +
-           squared(params_.mean_floor_radps) * Mat3::Identity();
-  const double known = S.trace() / 3.0;
+StretchError GyrHypothesis::error_of_stretch(const Stretch& s) const noexcept {
+  StretchError out;
+  out.value = vec(s.rate) - filter_.at(s.tau, s.tau2);
+  out.covariance = filter_.covariance_at(s.tau, s.tau2) + s.mean_covariance(noise_scale()) + s.turn(noise_scale()) +
+                   squared(params_.mean_floor_radps) * Mat3::Identity();
+  out.known = out.covariance.trace() / 3.0;
   // Constant in the world, and so no matter of the sensor.
   const Vec3 unseen = s.unseen_axis();
-  S += squared(kFreeTurn_radps) * unseen * unseen.transpose() +
-       squared(s.direction_sd * e.dot(unseen)) * Mat3::Identity();
-  return {e.dot(S.inverse() * e), log_determinant(S), known};
+  out.covariance += squared(kFreeTurn_radps) * unseen * unseen.transpose() +
+                    squared(s.direction_sd * out.value.dot(unseen)) * Mat3::Identity();
+  return out;
+}
+
+Fit GyrHypothesis::fit_of_stretch(const Stretch& s) const noexcept {
+  const StretchError e = error_of_stretch(s);
+  return {e.value.dot(e.covariance.inverse() * e.value), log_determinant(e.covariance), e.known};
+}
+
+bool GyrHypothesis::see(const Stretch& attitude, double gate) noexcept {
+  const Fit fit = fit_of_stretch(attitude);
+  const double known = filter_.covariance_at(attitude.tau, attitude.tau2).trace() / 3.0;
+  if (known > kMostlyNoise * fit.variance || fit.chi2 > gate) return false;
+  noise_.see(fit.chi2 * noise_scale(), attitude.unseen_axis().isZero() ? 3.0 : 2.0);
+  return true;
 }
 
 std::uint32_t GyrHypothesis::discard_stretch() noexcept {
@@ -121,7 +144,7 @@ GyrFilter GyrHypothesis::now() const noexcept {
   const Stretch& s = stretch_;
   if (s.windows == 0) return out;
   if (s.of_attitude == 0) {
-    const Mat3 turn = s.turn();
+    const Mat3 turn = s.turn(noise_scale());
     const double largest = turn.selfadjointView<Eigen::Lower>().eigenvalues().maxCoeff();
     const Vec3 surprise = vec(s.rate) - filter_.at(s.tau, s.tau2);
     const Vec3 hidden = largest > 0 ? Vec3(turn * surprise / largest) : Vec3(Vec3::Zero());
@@ -129,7 +152,7 @@ GyrFilter GyrHypothesis::now() const noexcept {
     out.begin_attitude(turn + 0.25 * hidden * hidden.transpose() +
                        squared(s.direction_sd) * hidden.squaredNorm() * Mat3::Identity());
   }
-  out.update(vec(s.rate), s.mean_covariance(), s.tau, s.tau2);
+  out.update(vec(s.rate), s.mean_covariance(noise_scale()), s.tau, s.tau2);
   return out;
 }
 

@@ -14,8 +14,10 @@ constexpr std::uint32_t kAttitudesNeeded = 3;
 constexpr std::uint32_t kWindowsAsAttitude = 8;  // where gravity and field exclude a turn, time is evidence too
 constexpr double kTurnExcluded_radps = 0.04 * kRadPerDeg;
 constexpr std::uint32_t kRefusedToOpen = 2;  // in a row: a single window may have been pushed
-constexpr double kLeastNoise = 0.05;         // of the assumed variance
-constexpr double kMostlyNoise = 0.5;         // of an error: what is known is the smaller part
+constexpr double kOff = 30.0;                // chi-square of three over many attitudes: 1e-6 by chance
+constexpr double kNotOff = 3.0;              // the same: what chance makes of it
+constexpr double kDriftShare = 0.25;         // of one attitude in the mean of what they are off
+constexpr double kOneSided = 0.5;            // of the mean square, the squared mean: by chance 0.14
 constexpr double kResidualMemory = 0.5;
 constexpr double kContradicted = 16.0;  // chi-square of three: the rates of lately
 constexpr double kChangedAtAll = 0.15;  // probability that a rate which surprises is another bias and not a turn
@@ -37,8 +39,13 @@ GyrLearner::GyrLearner(const GyrFilterParams& params, const TriadCalibration& fa
 double GyrLearner::tau(double temp_degC) const noexcept { return (temp_degC - factory_.temp_ref_degC) / kTempScale_K; }
 
 GyrLearner::State GyrLearner::state() const noexcept {
-  return {published_.state(), rival_.state(), rivalry_.state(), seen_,    noise_,
-          residual_,          attitude_,      replaced_,        refused_, in_a_row_};
+  // A restart ends the present attitude: what its lattice hides is told by the filter until there is another.
+  GyrHypothesis::State published = published_.state();
+  GyrFilter filter(params_);
+  filter.restore(published.filter);
+  filter.open_bias(std::sqrt(vec(attitude_.rounding_var).mean()));
+  published.filter = filter.state();
+  return {published, rival_.state(), rivalry_.state(), seen_, residual_, attitude_, replaced_, refused_, in_a_row_};
 }
 
 void GyrLearner::restore(const State& s) noexcept {
@@ -49,7 +56,6 @@ void GyrLearner::restore(const State& s) noexcept {
   replaced_ = s.replaced;
   refused_ = s.refused;
   seen_ = s.seen;
-  noise_ = s.noise;
 }
 
 void GyrLearner::predict(double dt_s) noexcept {
@@ -62,27 +68,54 @@ double GyrLearner::vote() const noexcept {
   return Rivalry::vote(published_.fit_of_stretch(attitude_), rival_.fit_of_stretch(attitude_));
 }
 
-void GyrLearner::open_rival(const RestRate& r) noexcept {
+void GyrLearner::open_rival(const Vec3& up_body) noexcept {
   rival_ = published_;
   rival_.discard_stretch();
   rival_.open_bias(kRivalBias_radps);
-  rivalry_.open(r.up_body);
+  rival_.forget_agreement();
+  rivalry_.open(up_body);
+  off_.setZero();
+  off_information_.setZero();
   attitude_.windows = 0;  // from here on: what was before may have been another bias
+}
+
+/// Each attitude alone may be a turn or an unlucky one; what is the same in the body through many is an offset.
+bool GyrLearner::off_in_many_attitudes() noexcept {
+  const StretchError e = published_.error_of_stretch(attitude_);
+  const Mat3 information = e.covariance.inverse();
+  off_ += information * e.value;
+  off_information_ += information;
+  const double chi2 = off_.dot(off_information_.inverse() * off_);
+  if (chi2 < kNotOff) {  // the offset, if there is one, begins after this attitude
+    off_.setZero();
+    off_information_.setZero();
+  }
+  return chi2 > kOff;
+}
+
+/// A bias that wanders faster than assumed, as with a temperature that nobody tells: attitude after attitude is off to
+/// the same side. Judged by their own scatter, for of their noise more is assumed than there is.
+void GyrLearner::follow_drift() noexcept {
+  const Vec3 off = published_.error_of_stretch(attitude_).value;
+  drift_radps_ += kDriftShare * (off - drift_radps_);
+  drift_sq_ += kDriftShare * (off.squaredNorm() - drift_sq_);
+  if (drift_radps_.squaredNorm() > kOneSided * drift_sq_) published_.open_bias(drift_radps_.norm());
 }
 
 /// The attitude speaks once, when it is over.
 void GyrLearner::end_attitude() noexcept {
-  const Fit fit = published_.fit_of_stretch(attitude_);
-  const double known = published_.before_stretch().covariance_at(attitude_.tau, attitude_.tau2).trace() / 3.0;
-  if (known < kMostlyNoise * fit.variance && fit.chi2 < kGate)
-    noise_.see(fit.chi2 * attitude_.noise_scale, attitude_.unseen_axis().isZero() ? 3.0 : 2.0);
+  const double for_rival = vote();  // by the noise that was known before it
+  if (published_.see(attitude_, kGate)) follow_drift();
   if (rivalry_.is_open()) {
-    rivalry_.add_vote(vote(), vec(attitude_.up));
+    rival_.see(attitude_, kGate);
+    rivalry_.add_vote(for_rival, vec(attitude_.up));
     switch (rivalry_.verdict(kAttitudesNeeded)) {
       case Rivalry::Verdict::kRivalWins:
         std::swap(published_, rival_);
         rivalry_.exchanged();
         replaced_ = 1;
+        drift_radps_.setZero();
+        drift_sq_ = 0.0;
         break;
       case Rivalry::Verdict::kPublishedStays:
         rivalry_.close();
@@ -90,6 +123,8 @@ void GyrLearner::end_attitude() noexcept {
       case Rivalry::Verdict::kOpen:
         break;
     }
+  } else if (off_in_many_attitudes()) {
+    open_rival(vec(attitude_.up));
   }
   attitude_.windows = 0;
 }
@@ -99,9 +134,9 @@ bool GyrLearner::absorb(const Window& w, double direction_sd) noexcept {
   r.rate_radps = vec(w.gyr_radps) - factory_.bias_at(w.temp_degC);
   r.covariance = mat(w.gyr_cov);
   r.turn_covariance = mat(w.turn_cov);
+  r.rounding_var = vec(w.gyr_rounding_var);
   r.up_body = vec(w.acc_mps2).normalized();
   r.direction_sd = direction_sd;
-  r.noise_scale = noise_.variance_scale(kLeastNoise);
   r.tau = tau(w.temp_degC);
   r.temp_degC = w.temp_degC;
   r.t_ns = w.t_end_ns;
@@ -116,7 +151,7 @@ bool GyrLearner::absorb(const Window& w, double direction_sd) noexcept {
   in_a_row_ = refused ? in_a_row_ + 1 : 0;
   const Vec3 e = r.rate_radps - published_.now().at(r.tau, r.tau * r.tau);
   vec(residual_) += kResidualMemory * (e - vec(residual_));
-  if (refused && in_a_row_ >= kRefusedToOpen && !rivalry_.is_open()) open_rival(r);
+  if (refused && in_a_row_ >= kRefusedToOpen && !rivalry_.is_open()) open_rival(r.up_body);
   attitude_.add(r);
   if (!refused)
     published_.take(r);
@@ -139,7 +174,7 @@ bool GyrLearner::turn_seen() noexcept {
 
 /// What the filter cannot know: a turn in the only attitude, and a change that is no refusal yet.
 Mat3 GyrLearner::doubt(const GyrFilter& present, double tau) const noexcept {
-  Mat3 out = Mat3::Zero();
+  Mat3 out = vec(attitude_.rounding_var).asDiagonal();  // every rest has the same: it does not average out
   if (seen_.count <= 1) {
     const Vec3 unseen = attitude_.unseen_axis();
     out += kOneAttitude_radps * kOneAttitude_radps * unseen * unseen.transpose();

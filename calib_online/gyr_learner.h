@@ -1,6 +1,5 @@
 /// The gyroscope's bias: what is published, and a rival that attitudes may put in its place.
 #pragma once
-#include "calib_online/consistency.h"
 #include "calib_online/gyr_hypothesis.h"
 #include "core/calibration.h"
 
@@ -19,7 +18,6 @@ class GyrLearner {
     GyrHypothesis::State published, rival;
     Rivalry::State rivalry;
     Attitudes seen;
-    Consistency noise;           ///< of rates at rest beside what is assumed of them
     Array3 residual{};           ///< of the rates lately, fading
     Stretch attitude;            ///< all readings of the present attitude, whoever believes them
     std::uint32_t replaced = 0;  ///< until what was published before is given up
@@ -46,7 +44,9 @@ class GyrLearner {
   [[nodiscard]] double tau(double temp_degC) const noexcept;
   [[nodiscard]] double vote() const noexcept;
   void end_attitude() noexcept;
-  void open_rival(const RestRate& r) noexcept;
+  void follow_drift() noexcept;
+  [[nodiscard]] bool off_in_many_attitudes() noexcept;
+  void open_rival(const Vec3& up_body) noexcept;
   [[nodiscard]] Mat3 doubt(const GyrFilter& present, double tau) const noexcept;
 
   GyrFilterParams params_;
@@ -54,9 +54,13 @@ class GyrLearner {
   GyrHypothesis published_, rival_;
   Rivalry rivalry_;
   Attitudes seen_;
-  Consistency noise_;
   Array3 residual_{};
   Stretch attitude_;
+  /// What attitudes were off lately, by their information, and the sum of that; 0 after a restart.
+  Vec3 off_ = Vec3::Zero();
+  Mat3 off_information_ = Mat3::Zero();
+  Vec3 drift_radps_ = Vec3::Zero();  ///< of what attitudes are off, the fading mean
+  double drift_sq_ = 0.0;            ///< the same of its square
   std::uint32_t replaced_ = 0, refused_ = 0, in_a_row_ = 0;
 };
 

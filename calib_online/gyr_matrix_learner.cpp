@@ -24,7 +24,7 @@ constexpr double kLatelyAtFirst =
     100.0;                             // of another sensor: ten times the sd, until its turns have shown how they fit
 constexpr double kLatelyShare = 0.15;  // of a turn
 constexpr double kWhileRefused = 2.0;  // nats for the rival, for the stated deviation
-constexpr double kLeastNoise = 0.05;   // of the assumed variance
+constexpr double kLeastNoise = 0.01;   // of the assumed variance
 constexpr std::uint32_t kTurnsNeeded = 4;
 constexpr std::uint32_t kRefusedToOpen = 2;  // in a row
 
@@ -71,7 +71,7 @@ GyroMatrixFit GyrMatrixLearner::fit(const GyroMatrixSums& sums, bool wide) const
   return solve(sums, mat(factory_.matrix), times * params_.scale_sd, times * params_.cross_sd);
 }
 
-bool GyrMatrixLearner::absorb(const Window& w, const CalibrationSnapshot& used) noexcept {
+bool GyrMatrixLearner::absorb(const Window& w, const CalibrationSnapshot& used, double pushed_var) noexcept {
   if ((w.has & kAcc) == 0 || w.refusal == Refusal::kNotGravity) return false;
   Turn turn;
   turn.u_after = used.acc.apply(w.acc_mps2, w.temp_degC).normalized();
@@ -84,7 +84,7 @@ bool GyrMatrixLearner::absorb(const Window& w, const CalibrationSnapshot& used) 
   if (w.rotation_path_rad < kLeastTurn_rad || w.rotation_path_rad > kLongestTurn_rad) return false;
   const double known = used.acc.norm_sd > 0.0 ? used.acc.norm_sd / gravity_mps2_ : kFactoryDirection;
   turn.noise_scale = s_.noise.variance_scale(kLeastNoise);
-  turn.direction_var = squared(known) + turn.noise_scale * squared(kDirectionFloor);
+  turn.direction_var = squared(known) + pushed_var + turn.noise_scale * squared(kDirectionFloor);
   // The way was integrated with the bias that was known then.
   const Mat3 J_bias = mat(w.d_rotation_d_bias);
   const Vec3 late = J_bias * (used.gyr.bias_at(w.temp_degC) - vec(w.gyr_bias_used));
@@ -113,8 +113,8 @@ void GyrMatrixLearner::learn(const Turn& turn) noexcept {
   const Vec3 axis = turn.R.transpose() * turn.u_before;
   // Neither bias nor directions are known well enough for a verdict.
   const bool poor = turn.bias_var + turn.direction_var > squared(kPoor_rad);
-  // A fit that is refused shows at once, one that is good again by and by.
-  const double fits = published.chi2 / 3.0;
+  // A fit that is refused shows at once, by no more than another sensor does; one that is good again by and by.
+  const double fits = std::min(published.chi2 / 3.0, kLatelyAtFirst);
   if (!poor) s_.lately = refused ? std::max(s_.lately, fits) : s_.lately + kLatelyShare * (fits - s_.lately);
   if (!poor && !refused) s_.noise.see(published.chi2 * turn.noise_scale, 3.0);
   if (poor) {
@@ -145,6 +145,8 @@ void GyrMatrixLearner::learn(const Turn& turn) noexcept {
 
 void GyrMatrixLearner::sensor_replaced() noexcept {
   s_.lately = std::max(s_.lately, kLatelyAtFirst);
+  // So little the turns before count, whatever they agreed in: a sensor that is the same has them confirmed by a few.
+  s_.published.forget(s_.noise.variance_scale(kLeastNoise) / kLatelyAtFirst);
   if (rivalry_.is_open()) return;
   s_.rival = {};
   rivalry_.open(Vec3::UnitZ());

@@ -13,8 +13,8 @@ namespace stillpoint::calib {
 struct GyroMatrixParams {
   double scale_sd = 0.03;
   double cross_sd = 0.02;
+  template <class P = GyroMatrixParams>
   static constexpr auto fields() {
-    using P = GyroMatrixParams;
     return std::tuple{
         field("scale_sd", &P::scale_sd, in_range(1e-6, 0.3), "sd of the factory calibration's scale factors"),
         field("cross_sd", &P::cross_sd, in_range(1e-6, 0.3), "sd of its axes' directions, rad")};
@@ -39,8 +39,9 @@ class GyrMatrixLearner {
   GyrMatrixLearner(const GyroMatrixParams& params, const TriadCalibration& factory, double bias_prior_sd_radps,
                    double gravity_mps2);
 
-  /// A window of rest after a turn, judged by the calibration in force. True: the matrix changed.
-  bool absorb(const Window& w, const CalibrationSnapshot& used) noexcept;
+  /// A window of rest after a turn, judged by the calibration in force; what may push its direction aside, rad^2. True:
+  /// the matrix changed.
+  bool absorb(const Window& w, const CalibrationSnapshot& used, double pushed_var) noexcept;
   /// The bias is another sensor's: the matrix may be, too.
   void sensor_replaced() noexcept;
   /// False: the turns give none.

@@ -141,7 +141,7 @@ bool OnlineCalibrator::learn(const Window& window) noexcept {
   if ((window.has & kGyr) != 0) gyr = gyr_.absorb(window, direction_sd()) || gyr;
   if (gyr_.replaced() && !replaced_before) gyr_matrix_.sensor_replaced();
   if (gyr) gyr_.publish(window.temp_degC, temperatures_, snapshot_.gyr);
-  const bool matrix = gyr_matrix_.absorb(window, snapshot_) && gyr_matrix_.publish(snapshot_.gyr);
+  const bool matrix = gyr_matrix_.absorb(window, snapshot_, acc_.pushed_var()) && gyr_matrix_.publish(snapshot_.gyr);
   return acc || gyr || matrix;
 }
 

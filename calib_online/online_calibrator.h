@@ -27,8 +27,8 @@ struct OnlineCalibratorParams {
   std::string temperature_model = "polynomial";
   TemperatureCellsParams temperature_cells;
 
+  template <class P = OnlineCalibratorParams>
   static constexpr auto fields() {
-    using P = OnlineCalibratorParams;
     return std::tuple{
         field("gravity_mps2", &P::gravity_mps2, in_range(9.7, 9.9), "local gravity"),
         field("accelerometer", &P::accelerometer, "how good the factory calibration of the accelerometer is"),

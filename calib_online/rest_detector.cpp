@@ -13,6 +13,9 @@ constexpr double kDriftSpreads = 2.0;      // of the spread that a window of res
 constexpr double kSampleSd = 6.0;          // one sample in 1e8 by chance, an axis
 
 bool finite(const Array3& a) noexcept { return std::isfinite(a[0]) && std::isfinite(a[1]) && std::isfinite(a[2]); }
+void keep_least(double step, double& least) noexcept {
+  if (least == 0.0 || step < least) least = step;
+}
 bool beyond(const Array3& a, double limit) noexcept {
   return std::abs(a[0]) >= limit || std::abs(a[1]) >= limit || std::abs(a[2]) >= limit;
 }
@@ -159,8 +162,9 @@ void RestDetector::add(std::size_t w, const Array3& raw, const TriadCalibration&
     triad.raw_step_sq += step.cwiseProduct(step);
     for (int axis = 0; axis < 3; ++axis) {
       const double d = std::abs(step[axis]);
-      double& least = triad.least_step[axis];
-      if (d > 1e-12 && (least == 0.0 || d < least)) least = d;
+      if (d <= 1e-12) continue;
+      keep_least(d, triad.least_step[axis]);
+      if (w == kGyrIndex) keep_least(d, gyr_lattice_radps_[axis]);
     }
     ++triad.steps;
   }

@@ -32,8 +32,8 @@ struct RestDetectorParams {
   double mag_limit_uT = 1e9;
   double rotation_max_s = 120.0;
 
+  template <class P = RestDetectorParams>
   static constexpr auto fields() {
-    using P = RestDetectorParams;
     return std::tuple{
         field("window_s", &P::window_s, in_range(0.2, 30.0), "length of a rest window"),
         field("acc_spread_mps2", &P::acc_spread_mps2, in_range(1e-4, 2.0),
@@ -122,6 +122,7 @@ class RestDetector {
     Vec3 noise_sd = Vec3::Zero(), least_step = Vec3::Zero();  ///< of the raw readings, an axis
     int clipped = 0;
     std::array<bool, 3> constant{};  ///< this axis did not change at all
+    [[nodiscard]] std::array<bool, 3> noisier_than_lattice() const noexcept;
   };
   struct Evidence {
     std::array<Summary, 3> triad;
@@ -152,6 +153,7 @@ class RestDetector {
   [[nodiscard]] bool rate_beyond_known_bias(const Evidence& e, const CalibrationSnapshot& calibration) const noexcept;
   Window make_window(const Evidence& e, Refusal rate, const CalibrationSnapshot& calibration) noexcept;
   void hand_on_rotation(Window& w, const CalibrationSnapshot& calibration) noexcept;
+  [[nodiscard]] Array3 gyr_rounding_var(const Summary& gyr) const noexcept;
   void keep_anchor(const Evidence& e, Refusal rate) noexcept;
 
   Params params_;
@@ -185,6 +187,7 @@ class RestDetector {
   Vec3 seen_turn_ = Vec3::Zero();  ///< rad/s; the last steady turn that gravity or field showed, zero when it is over
   /// Of each triad's axes, noisier at rest than its lattice: a reading that then does not change is no reading.
   std::array<std::array<bool, 3>, 3> noisy_{};
+  Vec3 gyr_lattice_radps_ = Vec3::Zero();  ///< the least step of its raw readings ever, moving or not
   std::uint8_t told_stuck_ = 0, told_clipped_ = 0;
   Refusal last_refusal_ = Refusal::kFilling;
 };

@@ -17,6 +17,7 @@ constexpr double kSignificant = 5.0;                 // sd; one test a window, a
 constexpr double kSlowTurn_radps = 0.09;             // 5 deg/s: faster, and the lever arm of the sensor is felt
 constexpr double kFastTurn_radps = 0.5;              // 30 deg/s: no offset, and 0.25 m/s^2 a metre off the axis
 constexpr double kLeastNorm = 0.5, kMostNorm = 2.0;  // of gravity: beyond, no wrong range explains it
+constexpr double kNoisy = 1.0;                       // sd over lattice; twenty equal readings: 5e-9 by chance
 constexpr double kClippedShare = 0.1;                // of a window; single clipped readings are shocks
 
 }  // namespace
@@ -122,8 +123,15 @@ RestDetector::Summary RestDetector::summarise(std::size_t w) const noexcept {
   return s;
 }
 
+std::array<bool, 3> RestDetector::Summary::noisier_than_lattice() const noexcept {
+  std::array<bool, 3> out{};
+  for (int axis = 0; axis < 3; ++axis) out[static_cast<std::size_t>(axis)] = noise_sd[axis] > kNoisy * least_step[axis];
+  return out;
+}
+
 /// An axis without noise is a coarse one at rest, or stuck (at its limit, too): stuck when it was noisier than its
-/// lattice before, or when all that the sensor measures of motion stands still at once.
+/// lattice before, or an axis beside it is, or when all that the sensor measures of motion stands still at once. One
+/// that is zero throughout is not there.
 void RestDetector::judge_faults(Evidence& e) const noexcept {
   const auto still = [](const Summary& s) { return s.constant[0] && s.constant[1] && s.constant[2]; };
   const bool both = still(e.triad[kAccIndex]) && still(e.triad[kGyrIndex]);
@@ -131,7 +139,12 @@ void RestDetector::judge_faults(Evidence& e) const noexcept {
     const Summary& s = e.triad[k];
     if (s.n < kLeastSamples) continue;
     bool stuck = both && k != kMagIndex;
-    for (std::size_t axis = 0; axis < 3; ++axis) stuck = stuck || (s.constant[axis] && noisy_[k][axis]);
+    const std::array<bool, 3> noisier = s.noisier_than_lattice();
+    const bool fine = noisier[0] || noisier[1] || noisier[2];
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      const bool there = last_raw_[k][static_cast<Eigen::Index>(axis)] != 0.0;
+      stuck = stuck || (s.constant[axis] && (noisy_[k][axis] || (fine && there)));
+    }
     if (stuck) e.stuck = static_cast<std::uint8_t>(e.stuck | kTriadBits[k]);
     if (s.clipped > kClippedShare * s.n) e.clipped = static_cast<std::uint8_t>(e.clipped | kTriadBits[k]);
   }

@@ -3,6 +3,7 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "calib_online/rest_detector.h"
 
@@ -11,7 +12,6 @@ namespace {
 
 constexpr double kAnchorAngle_rad = 0.3;       // beyond, the chord of a turn is no longer its arc
 constexpr double kAnchorAge_s = 120.0;         // longer, and the drift of the sensors looks like a turn
-constexpr double kNoisy = 1.0;                 // sd over lattice; twenty equal readings: 5e-9 by chance
 constexpr double kScaleError = 0.005;          // of a gyro before its matrix is learnt
 constexpr double kGyrNoise_radps_rtHz = 2e-4;  // a consumer gyro's 0.01 deg/s/sqrt(Hz)
 
@@ -49,6 +49,28 @@ void RestDetector::keep_anchor(const Evidence& e, Refusal rate) noexcept {
   }
 }
 
+/// A mean of rounded readings is off by up to half a step, as long as one step of the bias would take; noise of sd s
+/// makes exp(-2 pi^2 s^2 / step^2) of that. What is seen of the noise holds what rounding adds to it.
+Array3 RestDetector::gyr_rounding_var(const Summary& gyr) const noexcept {
+  constexpr double kRoundingInNoise = 1.0 / 6.0;  // of a squared step, at most where the mean is far off
+  Array3 out{};
+  for (int axis = 0; axis < 3; ++axis) {
+    const double step_sq = gyr_lattice_radps_[axis] * gyr_lattice_radps_[axis];
+    if (gyr.n == 0 || step_sq == 0.0) continue;
+    double noise = 0.0, noisiest = 0.0;  // of the quarters; one of them may hold the last step of a motion
+    for (const Quarter& q : quarters_) {
+      const Triad& t = q.triad[kGyrIndex];
+      const double of_quarter = t.raw_step_sq[axis] / (2.0 * std::max(1, t.steps) * step_sq);
+      noise += of_quarter / (kQuarters - 1);
+      noisiest = std::max(noisiest, of_quarter);
+    }
+    const double carried = std::max(0.0, noise - noisiest / (kQuarters - 1) - kRoundingInNoise);
+    out[static_cast<std::size_t>(axis)] =
+        step_sq / 12.0 * std::exp(-4.0 * std::numbers::pi * std::numbers::pi * carried);
+  }
+  return out;
+}
+
 Window RestDetector::make_window(const Evidence& e, Refusal rate, const CalibrationSnapshot& calibration) noexcept {
   Window w;
   w.t_start_ns = quarters_.front().t_first_ns;
@@ -62,9 +84,9 @@ Window RestDetector::make_window(const Evidence& e, Refusal rate, const Calibrat
     const bool steady = rate == Refusal::kNone || rate == Refusal::kNotGravity || rate == Refusal::kUnknownRate;
     if (e.triad[k].n == 0 || (k == kGyrIndex && !steady)) continue;
     if (((e.stuck | e.clipped) & kTriadBits[k]) != 0) continue;
+    const std::array<bool, 3> fine = e.triad[k].noisier_than_lattice();
     for (int axis = 0; axis < 3; ++axis) {
-      const Summary& s = e.triad[k];
-      noisy_[k][static_cast<std::size_t>(axis)] |= s.noise_sd[axis] > kNoisy * s.least_step[axis];
+      noisy_[k][static_cast<std::size_t>(axis)] |= fine[static_cast<std::size_t>(axis)];
     }
     w.has = static_cast<std::uint8_t>(w.has | kTriadBits[k]);
     // Back to raw readings: the window must not depend on the calibration that was in force when it was seen.
@@ -78,6 +100,7 @@ Window RestDetector::make_window(const Evidence& e, Refusal rate, const Calibrat
     if (q.temp_count > 0) w.has = static_cast<std::uint8_t>(w.has | kTemp);
   }
   w.turn_cov = array(e.turn_cov);
+  w.gyr_rounding_var = gyr_rounding_var(e.triad[kGyrIndex]);
   w.stuck = told_stuck_ = e.stuck;
   w.clipped = told_clipped_ = e.clipped;
   hand_on_rotation(w, calibration);

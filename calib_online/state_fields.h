@@ -95,8 +95,8 @@ void visit_state(State& s, V&& visit) {
   visit({kGyrPart, "gyr.rival.bias", "rad/s", in_range(-35, 35)}, s.gyr.rival.filter.x);
   visit({kGyrPart, "gyr.rival.covariance", "rad2/s2", kVariance, GyrFilter::kStates}, s.gyr.rival.filter.P.a);
   detail::visit_attitudes(visit, kGyrPart, "gyr.up", "gyr.attitudes", s.gyr.seen);
-  visit({kGyrPart, "gyr.noise.chi2", "-", in_range(0, 1e6)}, s.gyr.noise.chi2);
-  visit({kGyrPart, "gyr.noise.freedom", "-", in_range(0, 1e6)}, s.gyr.noise.freedom);
+  visit({kGyrPart, "gyr.noise.chi2", "-", in_range(0, 1e6)}, s.gyr.published.noise.chi2);
+  visit({kGyrPart, "gyr.noise.freedom", "-", in_range(0, 1e6)}, s.gyr.published.noise.freedom);
 
   detail::visit_sums(visit, "gyr_matrix.information", "gyr_matrix.rhs", "gyr_matrix.turns", s.gyr_matrix.published);
   detail::visit_sums(visit, "gyr_matrix.rival.information", "gyr_matrix.rival.rhs", "gyr_matrix.rival.turns",

@@ -18,8 +18,8 @@ struct TemperatureCellsParams {
   double alike_K = 10.0;
   double keep = 0.998;
 
+  template <class P = TemperatureCellsParams>
   static constexpr auto fields() {
-    using P = TemperatureCellsParams;
     return std::tuple{
         field("first_degC", &P::first_degC, in_range(-100.0, 100.0), "where the first of ten cells begins"),
         field("spacing_K", &P::spacing_K, in_range(0.5, 50.0),

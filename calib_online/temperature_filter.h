@@ -43,8 +43,8 @@ struct AccFilterParams {
   double bias_walk_mps2_rts = 1e-5;
   double norm_floor_mps2 = 0.005;
 
+  template <class P = AccFilterParams>
   static constexpr auto fields() {
-    using P = AccFilterParams;
     return std::tuple{
         field("bias_sd_mps2", &P::bias_sd_mps2, in_range(1e-4, 10.0), "sd of the factory calibration's bias"),
         field("scale_sd", &P::scale_sd, in_range(1e-5, 0.3), "sd of its scale factors"),
@@ -119,8 +119,8 @@ struct GyrFilterParams {
   double mean_floor_radps = 0.003 * kRadPerDeg;
   double hysteresis_per_K_radps = 0.004 * kRadPerDeg;
 
+  template <class P = GyrFilterParams>
   static constexpr auto fields() {
-    using P = GyrFilterParams;
     return std::tuple{
         field("bias_sd_radps", &P::bias_sd_radps, in_range(1e-6, 1.0), "sd of the factory calibration's bias"),
         field("bias_per_K_sd_radps", &P::bias_per_K_sd_radps, in_range(0.0, 0.1),

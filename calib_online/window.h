@@ -13,7 +13,6 @@
 
 namespace stillpoint::calib {
 
-using Array4 = std::array<double, 4>;    ///< a quaternion w, x, y, z
 using Array27 = std::array<double, 27>;  ///< a 3x9 matrix, row-major
 
 /// The order of the triads wherever they stand in an array, and their bits.
@@ -54,6 +53,8 @@ struct Window {
   Array9 acc_cov{}, gyr_cov{}, mag_cov{};  ///< of the means, from inside the window, squares of those units
   Array9 turn_cov{};  ///< (rad/s)^2, body: steady turning that gravity and the field cannot exclude. It is one unknown
                       ///< for a whole stretch of rest and does not average out.
+  Array3 gyr_rounding_var{};  ///< (rad/s)^2, of the gyroscope's mean, raw axes: what its lattice hides where noise does
+                              ///< not carry it across the steps. The same in every rest, as the bias is.
   double temp_degC = 25.0;
   Array4 q_previous_this{1, 0, 0, 0};                 ///< v_previous = R(q) v_this, middle of the window to middle
   Array9 rotation_cov{};                              ///< rad^2, of the rotation vector in this window's body frame

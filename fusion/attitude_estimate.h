@@ -1,6 +1,5 @@
 /// What the attitude filter says about one sample.
 #pragma once
-#include <array>
 #include <cstdint>
 #include <type_traits>
 
@@ -8,8 +7,6 @@
 #include "core/types.h"
 
 namespace stillpoint::fusion {
-
-using Array4 = std::array<double, 4>;
 
 /// World frame ENU, body frame x forward, y left, z up (in_ned() converts). Always a unit quaternion, always finite.
 struct AttitudeEstimate {
@@ -23,7 +20,9 @@ struct AttitudeEstimate {
   Array3 gyro_bias_radps{};         ///< residual bias that remains after the calibration
   Array3 gyro_bias_sd_radps{};
   bool at_rest = false;
-  bool gyro_offset_jumped = false;  ///< within the last 10 s a rest has shown another offset than the one known
+  bool gyro_offset_jumped = false;  ///< within the last 10 s a rest or a motion has shown another offset than known
+  bool acc_offset_jumped = false;   ///< the same of the accelerometer, a motion
+  bool denied = false;              ///< gravity and the field have both left their places in the world, at most 5 s ago
   HeadingReference heading = HeadingReference::kRelative;
   AttitudeStatus status = AttitudeStatus::kInitializing;  ///< never kStale: that is for the clock to say
   bool refused = false;  ///< not used at all: its time did not advance or none of its parts was usable

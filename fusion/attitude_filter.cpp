@@ -40,9 +40,16 @@ void AttitudeFilter::reset(std::optional<double> heading_rad) noexcept {
   if (s_.heading_given) s_.start_heading_rad = wrapped(*heading_rad);
 }
 
+void AttitudeFilter::use_noise(const WhiteNoise& noise) noexcept {
+  params_.gyr_noise_radps_rtHz = noise.gyr_radps_rtHz;
+  params_.acc_noise_mps2_rtHz = noise.acc_mps2_rtHz;
+  params_.mag_noise_uT = noise.mag_uT;
+}
+
 void AttitudeFilter::turn_back() noexcept {
   for (Array3* x : {&s_.x.velocity_mps, &s_.x.gyr_bias_radps, &s_.rate_radps}) vec(*x) *= -1.0;
   s_.error.turn_back();
+  s_.jumps.restart(s_.error);
   s_.motion_scale.turn_back();
   s_.rate_bridge.interrupt();
   s_.sums = Sums{};
@@ -117,21 +124,18 @@ void AttitudeFilter::turn(const CalibratedSample& sample, bool usable_reading, d
   double noise2 = (params_.gyr_noise_radps_rtHz * params_.gyr_noise_radps_rtHz +
                    params_.gyr_rate_noise_rtHz * params_.gyr_rate_noise_rtHz * rate2) *
                   dt_s;
-  Vec3 raw = Vec3::Zero();
+  const Vec3 raw = usable_reading ? Vec3(vec(sample.gyr_radps)) : Vec3::Zero();
+  const auto R = mat(s_.R_world_body);
   if (usable_reading) {
-    raw = vec(sample.gyr_radps);
     const Eigen::Map<const Mat3> M(s_.x.gyr_matrix.data());
     vec(s_.rate_radps) = raw - M * raw - vec(s_.x.gyr_bias_radps);
-  } else {
+    mat(s_.sums.motion.R) += R * dt_s;
+    for (std::size_t j = 0; j < 3; ++j) mat(s_.sums.motion.R_rate[j]) += R * (raw(static_cast<int>(j)) * dt_s);
+  } else {  // what the body does in the meantime says nothing of the gyroscope's offset
     noise2 += unknown_turn2(dt_s);
   }
   const Vec3 rate = vec(s_.rate_radps);
-  const auto R = mat(s_.R_world_body);
   vec(s_.sums.rate_radps_s) += rate * dt_s;
-  mat(s_.sums.motion.R) += R * dt_s;
-  for (std::size_t j = 0; j < 3; ++j) {
-    mat(s_.sums.motion.R_rate[j]) += R * (raw(static_cast<int>(j)) * dt_s);
-  }
   mat(s_.sums.theta_rad2).diagonal().array() += noise2;
   if (usable_reading && (sample.clipped & kGyr) != 0) {
     // (A9) At the limit the true rate is larger by an unknown part of the reading, and by what it has gone on since.
@@ -202,9 +206,11 @@ void AttitudeFilter::covariance_step() noexcept {
   noise.disturbance_time_s = params_.heading_disturbance_time_s;
   s_.error.propagate(s_.sums.motion, noise);
   s_.x.disturbance_rad *= std::exp(-time_s / params_.heading_disturbance_time_s);
+  hear_witnesses(time_s);
   measure_motion(time_s);
   s_.since_rest_s += time_s;
-  s_.since_jump_s += time_s;
+  s_.since_gyr_jump_s += time_s;
+  s_.since_acc_jump_s += time_s;
   if (s_.sums.moved)
     s_.denied_rest = {};
   else
@@ -212,6 +218,7 @@ void AttitudeFilter::covariance_step() noexcept {
   if (s_.sums.moved) s_.unmagnetic_s += time_s;  // at rest nothing turns, so the last heading serves
   if (s_.sums.fields > 0) measure_field(time_s);
   s_.rate_bridge.observe(vec(s_.sums.rate_radps_s) / time_s, time_s);
+  judge_jumps(time_s);
   inject();
   const double tilt2 = s_.error.tilt_rad2();
   s_.regained &= s_.gyr_heard || tilt2 < kLostTilt_rad * kLostTilt_rad;
@@ -237,13 +244,15 @@ void AttitudeFilter::inject() noexcept {
   const Quat correction = exp_quat(d.segment<3>(kTheta));
   set_attitude(correction * quat(s_.x.q_world_body));
   s_.iron_finder.turn_world(correction.toRotationMatrix());
+  s_.turn_witness.turn_world(correction.toRotationMatrix());
   const Mat3 heading = exp_so3(Vec3(0.0, 0.0, d(kTheta + 2)));
   vec(s_.x.velocity_mps) = heading * vec(s_.x.velocity_mps) + d.segment<3>(kVelocity);
   vec(s_.x.position_m) = heading * vec(s_.x.position_m) + d.segment<3>(kPosition);
+  s_.x.disturbance_rad += d(kDisturbance);
+  if (s_.denied_s > 0.0) return;
   vec(s_.x.gyr_bias_radps) += d.segment<3>(kGyrBias);
   vec(s_.x.acc_bias_mps2) += d.segment<3>(kAccBias);
   Eigen::Map<Eigen::Matrix<double, 9, 1>>(s_.x.gyr_matrix.data()) += d.segment<9>(kGyrMatrix);
-  s_.x.disturbance_rad += d(kDisturbance);
 }
 
 void AttitudeFilter::rebase(const CalibrationSnapshot& from, const CalibrationSnapshot& to) noexcept {

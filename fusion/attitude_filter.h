@@ -18,8 +18,11 @@
 #include "fusion/heading_reading.h"
 #include "fusion/iron_finder.h"
 #include "fusion/motion_scale.h"
+#include "fusion/offset_jumps.h"
 #include "fusion/rate_bridge.h"
 #include "fusion/straight_line.h"
+#include "fusion/turn_witness.h"
+#include "fusion/two_witnesses.h"
 
 namespace stillpoint::fusion {
 
@@ -31,6 +34,7 @@ struct AttitudeFilterParams {
   double gyr_bias_walk_radps_rtHz = 1e-4;
   double gyr_matrix_sd = 0.004;
   double acc_noise_mps2_rtHz = 0.03;
+  double mag_noise_uT = 0.0;
   double acc_bias_sd_mps2 = 0.1;
   double acc_bias_walk_mps2_rtHz = 1e-4;
   double acc_matrix_sd = 0.01;
@@ -54,8 +58,8 @@ struct AttitudeFilterParams {
   double acc_lag_s = 0.0;
   double update_period_s = 0.05;
 
+  template <class P = AttitudeFilterParams>
   static constexpr auto fields() {
-    using P = AttitudeFilterParams;
     return std::tuple{
         field("gyr_noise_radps_rtHz", &P::gyr_noise_radps_rtHz, in_range(1e-7, 1.0),
               "white noise density of the gyroscope (angle random walk); the data sheet or an Allan plot has it"),
@@ -70,6 +74,8 @@ struct AttitudeFilterParams {
               "scale and misalignment error that the calibration may have left, per element; 0: not learnt"),
         field("acc_noise_mps2_rtHz", &P::acc_noise_mps2_rtHz, in_range(1e-6, 10.0),
               "white noise density of the accelerometer, vibration included"),
+        field("mag_noise_uT", &P::mag_noise_uT, in_range(0.0, 1e4),
+              "white noise of one reading of the magnetometer, beside heading_noise_rad and hard_iron.noise_uT"),
         field("acc_bias_sd_mps2", &P::acc_bias_sd_mps2, in_range(0.0, 5.0),
               "accelerometer bias that the calibration may have left at the start"),
         field("acc_bias_walk_mps2_rtHz", &P::acc_bias_walk_mps2_rtHz, in_range(0.0, 1.0), "random walk of that bias"),
@@ -112,6 +118,11 @@ struct AttitudeFilterParams {
   }
 };
 
+/// Of the sensors, as in AttitudeFilterParams.
+struct WhiteNoise {
+  double gyr_radps_rtHz, acc_mps2_rtHz, mag_uT;
+};
+
 /// One sensor's filter. Copying it copies all its state, and a copy continues bit for bit.
 /// step() is wait-free and allocates nothing.
 class AttitudeFilter {
@@ -124,6 +135,9 @@ class AttitudeFilter {
 
   /// One sample in time order; parts it does not hold are bridged. `at_rest` is the rest detector's word for it.
   [[nodiscard]] AttitudeEstimate step(const CalibratedSample& sample, bool at_rest) noexcept;
+
+  /// From here on, in place of that of the parameters.
+  void use_noise(const WhiteNoise& noise) noexcept;
 
   /// The calibration has changed between two samples: the states are expressed anew, so that corrected rates and
   /// forces stay what they were and no rest evidence counts twice; only a change with temperature passes through.
@@ -172,6 +186,9 @@ class AttitudeFilter {
     MotionScale motion_scale;
     RateBridge rate_bridge;
     DeniedRest denied_rest;
+    TwoWitnesses witnesses;
+    TurnWitness turn_witness;
+    OffsetJumps jumps;
     Sums sums;
     std::int64_t t_ns = 0;
     Array9 R_world_body{1, 0, 0, 0, 1, 0, 0, 0, 1};  ///< of x.q_world_body
@@ -193,7 +210,9 @@ class AttitudeFilter {
     double clip_slope_radps2 = 0.0;  ///< with which it came to its limit
     double unclipped_radps = 0.0;
     double since_pause_s = 0.0;
-    double since_jump_s = 1e9;    ///< of the gyroscope's offset
+    double denied_s = 0.0;          ///< for this long yet the sensors are not learnt from
+    double since_gyr_jump_s = 1e9;  ///< of its offset
+    double since_acc_jump_s = 1e9;
     double since_rest_s = 0.0;    ///< since one that the gyroscope agreed to
     double lean_s = 0.0;          ///< for this long gravity at rest has denied the tilt
     double heading_stress = 0.0;  ///< signed mean square of the normalised heading innovation
@@ -212,6 +231,7 @@ class AttitudeFilter {
   void set_attitude(const Quat& q_world_body) noexcept;
   void start_from(const Vec3& acc_mps2) noexcept;
   void start_errors() noexcept;
+  void forget_sensors() noexcept;
   void judge(const CalibratedSample& sample, bool acc, bool gyr, double dt_s) noexcept;
   void turn(const CalibratedSample& sample, bool usable, double dt_s) noexcept;
   void bridge(const CalibratedSample& sample, bool gyr, bool acc, double dt_s) noexcept;
@@ -219,6 +239,8 @@ class AttitudeFilter {
   void gather_field(const CalibratedSample& sample) noexcept;
   void covariance_step() noexcept;
   void measure_motion(double time_s) noexcept;
+  void hear_witnesses(double time_s) noexcept;
+  void judge_jumps(double time_s) noexcept;
   void measure_rest(double time_s) noexcept;
   void relearn_bias(const Vec3& rate_radps) noexcept;
   void doubt_motion(double time_s, double rest_speed2) noexcept;

@@ -16,6 +16,8 @@ constexpr double kRestSurprise = 16.0;  ///< of a chi-square of three: one in a 
 constexpr double kRestDoubt_s = 1.0;    ///< the rest detector has seen the motion by then
 constexpr double kRestInsists_s = 3.0;  ///< the detector's own windows are shorter
 constexpr double kRestLean = 6.0;       ///< mean of a chi-square of two: one in four hundred
+constexpr double kDenied_s = 5.0;       ///< so long nothing is learnt of sensors that have been denied
+constexpr double kDoubtIn_s = 1.0;
 constexpr double kKnownTilt_rad = 0.05;
 constexpr double kLongUntrusted_s = 30.0;
 constexpr double kAnotherHeading = 9.0;   ///< of a chi-square of one
@@ -28,12 +30,12 @@ void AttitudeFilter::measure_motion(double time_s) noexcept {
   const auto& P = s_.error.P();
   const MotionScale::Seen seen{{s_.x.velocity_mps[0], s_.x.velocity_mps[1]},
                                {P(kVelocity, kVelocity), P(kVelocity + 1, kVelocity + 1)},
-                               stillpoint::array(Vec3(vec(s_.sums.motion.force) / time_s)),
+                               array(Vec3(vec(s_.sums.motion.force) / time_s)),
                                0.5 * s_.error.tilt_rad2()};
   const double leaning_rad2 = s_.motion_scale.observe(seen, {params_.motion_speed_mps, params_.motion_time_s}, time_s);
   for (int i = 0; i < 2; ++i) s_.error.add_variance(kTheta + i, leaning_rad2);
   s_.since_pause_s += time_s;
-  if (leaning_rad2 > 0.0 &&
+  if (leaning_rad2 > 0.0 && s_.gyr_heard &&
       s_.since_pause_s > kPauseTells_s) {  // (A20) an offset may have turned it; one about the vertical leans nothing
     const Vec3 up = mat(s_.R_world_body).row(2);
     s_.error.P().block<3, 3>(kGyrBias, kGyrBias) +=
@@ -51,6 +53,31 @@ void AttitudeFilter::measure_motion(double time_s) noexcept {
     s_.error.update(kVelocity + i, -s_.x.velocity_mps[at], level ? speed_scale * speed2 : speed2);
     s_.error.update(kPosition + i, -s_.x.position_m[at], level ? radius_scale * radius2 : radius2);
   }
+}
+
+/// (A25) Both deny the attitude: it may be off by what gravity leans, and what was learnt of the sensors is void, as is
+/// what they would teach now.
+void AttitudeFilter::hear_witnesses(double time_s) noexcept {
+  std::optional<Vec3> field;
+  if (s_.sums.fields > 0)
+    field = (vec(s_.sums.field_uT) - mat(s_.sums.field_R) * s_.hard_iron.body_uT(params_.hard_iron)) / s_.sums.fields;
+  s_.witnesses.observe(vec(s_.sums.motion.force) / time_s, field, time_s);
+  const double lean2 = s_.witnesses.denied_rad2();
+  s_.denied_s = lean2 > 0.0 ? kDenied_s : s_.denied_s - time_s;
+  if (s_.denied_s <= 0.0) return;
+  for (int i = 0; i < 3; ++i) s_.error.add_variance(kTheta + i, lean2 * time_s / kDoubtIn_s);
+  forget_sensors();
+}
+
+/// (A27) While the sensors are denied nothing is known that could have jumped; a pause leaves an error of its own.
+void AttitudeFilter::judge_jumps(double time_s) noexcept {
+  if (s_.denied_s > 0.0 || s_.since_pause_s < kPauseTells_s) {
+    s_.jumps.restart(s_.error);
+    return;
+  }
+  const OffsetJumps::Verdict verdict = s_.jumps.observe(s_.error, time_s);
+  if (verdict == OffsetJumps::Verdict::kGyroscope) s_.since_gyr_jump_s = 0.0;
+  if (verdict == OffsetJumps::Verdict::kAccelerometer) s_.since_acc_jump_s = 0.0;
 }
 
 void AttitudeFilter::measure_rest(double time_s) noexcept {
@@ -109,7 +136,7 @@ void AttitudeFilter::relearn_bias(const Vec3& rate_radps) noexcept {
     s_.error.forget(kGyrBias + i, params_.gyr_bias_sd_radps * params_.gyr_bias_sd_radps);
     s_.error.add_variance(kTheta + i, turned(i) * turned(i));
   }
-  s_.rest_doubt_s = s_.since_jump_s = 0.0;
+  s_.rest_doubt_s = s_.since_gyr_jump_s = 0.0;
 }
 
 /// At rest gravity shows the tilt itself: one that the covariance excludes is not known at all.
@@ -140,8 +167,10 @@ void AttitudeFilter::measure_field(double time_s) noexcept {
   if (leaning) s_.field = FieldReference{};
   const FieldVerdict verdict =
       s_.field.observe(params_.field_reference, std::sqrt(horizontal2), field.z(), time_s, s_.sums.moved);
+  s_.turn_witness.observe(field, R_mean, time_s);
   HeadingReading reading = HeadingReading::of(field, R_mean, params_.declination_rad);
   reading.field_variance_rad2 = verdict.heading_variance_rad2;
+  reading.white_variance_rad2 = params_.mag_noise_uT * params_.mag_noise_uT / (s_.sums.fields * horizontal2);
   if (verdict.accepted) {  // the present heading is kept: all of the deviation is the place's
     s_.x.disturbance_rad = reading.error_rad;
     s_.error.forget(kDisturbance,
@@ -170,6 +199,7 @@ void AttitudeFilter::follow_iron(const Vec3& seen, const Mat3& R_mean, double ti
     // field, or have come just now: the field without it tells.
     s_.hard_iron.begin_at(params_.hard_iron, s_.iron_finder.body_uT(), s_.iron_finder.covariance_uT2());
     s_.field = FieldReference{};
+    s_.witnesses.forget_field();
     s_.error.by_iron().setZero();
     const double error =
         HeadingReading::error(seen - R_mean * s_.hard_iron.body_uT(params_.hard_iron), params_.declination_rad);
@@ -181,7 +211,9 @@ void AttitudeFilter::follow_iron(const Vec3& seen, const Mat3& R_mean, double ti
       s_.error.by_iron()(kTheta + 2, 3) = error;  // what the heading has of the other field
     return;
   }
-  s_.hard_iron.observe(params_.hard_iron, seen, R_mean, time_s);
+  HardIronParams iron_params = params_.hard_iron;  // noise of its own as if it lasted like the place's: never too sure
+  iron_params.noise_uT = std::hypot(iron_params.noise_uT, params_.mag_noise_uT / std::sqrt(s_.sums.fields));
+  s_.hard_iron.observe(iron_params, seen, R_mean, time_s);
   s_.error.change_iron(s_.hard_iron.body_uT(params_.hard_iron) - iron);
 }
 
@@ -192,9 +224,12 @@ void AttitudeFilter::start_heading(const HeadingReading& reading) noexcept {
   vec(s_.x.position_m) = turn_by * Vec3(vec(s_.x.position_m));
   s_.error.turn_world(turn_by.toRotationMatrix());
   s_.iron_finder.turn_world(turn_by.toRotationMatrix());
+  s_.turn_witness.turn_world(turn_by.toRotationMatrix());
+  s_.witnesses.forget_field();
   s_.x.disturbance_rad = 0.0;
   s_.error.forget(kDisturbance, params_.heading_disturbance_rad * params_.heading_disturbance_rad);
-  s_.error.forget(kTheta + 2, params_.heading_noise_rad * params_.heading_noise_rad + reading.field_variance_rad2);
+  s_.error.forget(kTheta + 2, params_.heading_noise_rad * params_.heading_noise_rad + reading.field_variance_rad2 +
+                                  reading.white_variance_rad2);
   s_.error.by_iron().row(kTheta + 2).head<3>() = -reading.iron.transpose();
   // (A10) read for theta_z: what the reading hangs on, the heading does from here on.
   ErrorVector weights = ErrorVector::Zero();
@@ -212,12 +247,14 @@ void AttitudeFilter::measure_heading(const HeadingReading& reading, double time_
   const double instant = params_.heading_noise_rad * params_.heading_noise_rad + reading.field_variance_rad2;
   const double innovation = wrapped(reading.error_rad - s_.x.disturbance_rad);
   // (A13) Innovations of one sign that stay larger than they should mean a heading gone astray: believe it less.
-  const double expected = s_.error.P()(kTheta + 2, kTheta + 2) + s_.error.P()(kDisturbance, kDisturbance) + instant;
+  const double expected = s_.error.P()(kTheta + 2, kTheta + 2) + s_.error.P()(kDisturbance, kDisturbance) + instant +
+                          reading.white_variance_rad2;
   const double blend = std::min(1.0, time_s / params_.heading_doubt_time_s);
   s_.heading_stress += blend * (innovation * std::abs(innovation) / expected - s_.heading_stress);
   const double excess = std::abs(s_.heading_stress) - 1.0;
   if (excess > 0.0) s_.error.add_variance(kTheta + 2, params_.heading_doubt * blend * excess * expected);
-  s_.error.update(h, innovation, instant * std::max(1.0, 2.0 * params_.heading_noise_time_s / time_s), reading.iron);
+  const double lasting = instant * std::max(1.0, 2.0 * params_.heading_noise_time_s / time_s);
+  s_.error.update(h, innovation, lasting + reading.white_variance_rad2, reading.iron);
 }
 
 }  // namespace stillpoint::fusion

@@ -40,6 +40,16 @@ void AttitudeFilter::start_errors() noexcept {
   sd.segment<9>(kGyrMatrix).setConstant(params_.gyr_matrix_sd);
   sd(kDisturbance) = params_.heading_disturbance_rad;
   s_.error.start(sd);
+  s_.jumps.restart(s_.error);
+}
+
+/// The values stay, their deviations are those of the start.
+void AttitudeFilter::forget_sensors() noexcept {
+  for (int i = 0; i < 3; ++i) {
+    s_.error.forget(kGyrBias + i, params_.gyr_bias_sd_radps * params_.gyr_bias_sd_radps);
+    s_.error.forget(kAccBias + i, params_.acc_bias_sd_mps2 * params_.acc_bias_sd_mps2);
+  }
+  for (int i = 0; i < 9; ++i) s_.error.forget(kGyrMatrix + i, params_.gyr_matrix_sd * params_.gyr_matrix_sd);
 }
 
 void AttitudeFilter::bridge(const CalibratedSample& sample, bool gyr, bool acc, double dt_s) noexcept {
@@ -57,6 +67,8 @@ void AttitudeFilter::bridge(const CalibratedSample& sample, bool gyr, bool acc, 
   const Vec3 turned = 0.5 * dt_s * (before + vec(s_.rate_radps));
   s_.rate_bridge.interrupt();
   s_.iron_finder.interrupt();
+  s_.turn_witness.interrupt();
+  s_.witnesses.interrupt();
   unknown *= std::min(1.0, 3.0 * kPi * kPi / unknown.trace());
   mat(s_.sums.theta_rad2) += unknown;
   mat(s_.sums.motion.R) += mat(s_.R_world_body) * dt_s;

@@ -28,7 +28,8 @@ AttitudeEstimate AttitudeFilter::estimate(std::int64_t t_ns) const noexcept {
     if (params_.prediction_s > 0.0) {
       out.q_world_body = array(quat(s_.x.q_world_body) * exp_quat(params_.prediction_s * vec(s_.rate_radps)));
     }
-    cov = s_.error.P().block<3, 3>(kTheta, kTheta) + mat(s_.iron_rad2) + mat(s_.sums.theta_rad2);
+    cov = s_.error.P().block<3, 3>(kTheta, kTheta) + mat(s_.iron_rad2) + mat(s_.jumps.doubt_rad2()) +
+          mat(s_.sums.theta_rad2);
     cov.topLeftCorner<2, 2>().diagonal().array() += s_.acc_matrix_sd * s_.acc_matrix_sd;
     // (A24) A stamp may mean either end of its reading's interval: half a step.
     const Vec3 late = params_.stamp_sd * s_.rate_bridge.usual_step_s() * (mat(s_.R_world_body) * vec(s_.rate_radps));
@@ -43,13 +44,16 @@ AttitudeEstimate AttitudeFilter::estimate(std::int64_t t_ns) const noexcept {
     }
     out.rate_body_radps = s_.rate_radps;
     out.gyro_bias_radps = s_.x.gyr_bias_radps;
-    out.gyro_offset_jumped = s_.since_jump_s < kJumpTold_s;
+    out.denied = s_.denied_s > 0.0;
+    out.gyro_offset_jumped = s_.since_gyr_jump_s < kJumpTold_s;
+    out.acc_offset_jumped = s_.since_acc_jump_s < kJumpTold_s;
   }
-  out.covariance_world_rad2 = stillpoint::array(cov);
+  out.covariance_world_rad2 = array(cov);
   set_sigmas(out);
   if (s_.magnetic_s > 0.0) {
     const auto trusted = params_.declination_rad != 0.0 ? HeadingReference::kTrue : HeadingReference::kMagnetic;
-    out.heading = s_.unmagnetic_s < kMagneticMemory_s ? trusted : HeadingReference::kDisturbed;
+    out.heading =
+        s_.unmagnetic_s < kMagneticMemory_s && !s_.turn_witness.denied() ? trusted : HeadingReference::kDisturbed;
   }
   return out;
 }

@@ -8,15 +8,6 @@
 
 namespace stillpoint::fusion {
 
-inline Quat quat(const Array4& q) { return Quat(q[0], q[1], q[2], q[3]); }
-
-/// Of a product of unit quaternions: unit norm and w >= 0, so that the same attitude has the same four numbers.
-inline Array4 array(const Quat& q) {
-  const Quat n = renormalized(q);
-  const double sign = n.w() < 0 ? -1.0 : 1.0;
-  return {sign * n.w(), sign * n.x(), sign * n.y(), sign * n.z()};
-}
-
 inline double wrapped(double angle_rad) { return std::remainder(angle_rad, 2.0 * std::numbers::pi); }
 
 /// Angle of the turn about the vertical, counter-clockwise from east. Defined at every tilt but upside down.

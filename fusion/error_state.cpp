@@ -10,6 +10,7 @@ void ErrorState::start(const ErrorVector& sd) noexcept {
   P() = ErrorMatrix(sd.cwiseAbs2().asDiagonal());
   mean_.fill(0.0);
   by_iron_.fill(0.0);
+  by_jump_.fill(0.0);
 }
 
 void ErrorState::propagate(const MotionSums& sums, const ProcessNoise& noise) noexcept {
@@ -39,6 +40,7 @@ void ErrorState::propagate(const MotionSums& sums, const ProcessNoise& noise) no
   cov.transposeInPlace();
   times_F_t(cov);
   times_F_t(by_iron().transpose());
+  times_F_t(by_jump().transpose());
 
   cov.block<3, 3>(kTheta, kTheta) += mat(noise.theta_rad2);
   const double gyr_walk = noise.gyr_bias_walk * noise.gyr_bias_walk * T;
@@ -52,23 +54,39 @@ void ErrorState::propagate(const MotionSums& sums, const ProcessNoise& noise) no
   cov.triangularView<Eigen::StrictlyUpper>() = cov.transpose();  // equal but for the last bits
 }
 
-void ErrorState::correct(const ErrorVector& Ph, double innovation, double s, const Eigen::RowVector4d& iron) noexcept {
+void ErrorState::correct(const ErrorVector& Ph, double innovation, double s, const Eigen::RowVector4d& iron,
+                         const ByJump& jump) noexcept {
   if (!(s > 0.0) || !std::isfinite(innovation) || !std::isfinite(s)) return;
   const ErrorVector scaled = Ph / s;
   P().noalias() -= scaled * Ph.transpose();
   Eigen::Map<ErrorVector>(mean_.data()) += scaled * innovation;
   by_iron().noalias() -= scaled * iron;
+  by_jump().noalias() -= scaled * jump;
+  for (int i = 0; i < kJumps; ++i) evidence_[static_cast<std::size_t>(i)].add(jump.segment<3>(3 * i), innovation, s);
 }
 
 void ErrorState::update(const ErrorVector& h, double z, double variance, const Vec3& iron) noexcept {
   const ErrorVector Ph = P() * h;
   correct(Ph, z - h.dot(mean()), h.dot(Ph) + variance,
-          h.transpose() * by_iron() + Eigen::RowVector4d(iron.x(), iron.y(), iron.z(), 0.0));
+          h.transpose() * by_iron() + Eigen::RowVector4d(iron.x(), iron.y(), iron.z(), 0.0), h.transpose() * by_jump());
 }
 
 void ErrorState::update(int index, double z, double variance) noexcept {
   const ErrorVector Ph = P().col(index);
-  correct(Ph, z - mean()(index), Ph(index) + variance, by_iron().row(index));
+  correct(Ph, z - mean()(index), Ph(index) + variance, by_iron().row(index), by_jump().row(index));
+}
+
+void ErrorState::begin_jump(int jump, int first) noexcept {
+  auto columns = by_jump().middleCols<3>(3 * jump);
+  columns.setZero();
+  columns.middleRows<3>(first).setIdentity();
+  evidence_[static_cast<std::size_t>(jump)] = {};
+}
+
+void ErrorState::believe_jump(int jump, const Vec3& size, const Mat3& covariance) noexcept {
+  const Eigen::Matrix<double, kErrorStates, 3> done = by_jump().middleCols<3>(3 * jump);
+  Eigen::Map<ErrorVector>(mean_.data()) += done * size;
+  P() += (done * covariance).lazyProduct(done.transpose());
 }
 
 Mat3 ErrorState::iron_rad2(const Mat3& left_uT2) const noexcept {
@@ -98,6 +116,7 @@ void ErrorState::depend(int index, const ErrorVector& weights) noexcept {
   P().col(index) += shared;
   P()(index, index) += weights.dot(shared);
   by_iron().row(index) += weights.transpose() * by_iron();
+  by_jump().row(index) += weights.transpose() * by_jump();
 }
 
 void ErrorState::turn_world(const Mat3& by) noexcept {
@@ -105,6 +124,7 @@ void ErrorState::turn_world(const Mat3& by) noexcept {
     P().middleRows<3>(block) = (by * P().middleRows<3>(block)).eval();
     P().middleCols<3>(block) = (P().middleCols<3>(block) * by.transpose()).eval();
     by_iron().middleRows<3>(block) = (by * by_iron().middleRows<3>(block)).eval();
+    by_jump().middleRows<3>(block) = (by * by_jump().middleRows<3>(block)).eval();
     Eigen::Map<ErrorVector> gathered(mean_.data());
     gathered.segment<3>(block) = (by * gathered.segment<3>(block)).eval();
   }

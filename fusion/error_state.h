@@ -5,6 +5,7 @@
 #include <type_traits>
 
 #include "core/types.h"
+#include "fusion/jump_evidence.h"
 
 namespace stillpoint::fusion {
 
@@ -25,6 +26,8 @@ using ErrorVector = Eigen::Matrix<double, kErrorStates, 1>;
 using ErrorMatrix = Eigen::Matrix<double, kErrorStates, kErrorStates>;
 /// What an untrue hard iron does to the estimate: three columns times its error (uT, body axes), and one of its own.
 using IronMatrix = Eigen::Matrix<double, kErrorStates, 4, Eigen::RowMajor>;
+/// What each jump of jump_evidence.h, if it has been, has done to the errors: three columns times its size.
+using JumpMatrix = Eigen::Matrix<double, kErrorStates, 3 * kJumps, Eigen::RowMajor>;
 
 /// What the samples between two covariance steps leave behind. Plain sums, so the cost per sample is small.
 struct MotionSums {
@@ -59,6 +62,16 @@ class ErrorState {
   }
   [[nodiscard]] Eigen::Map<IronMatrix> by_iron() noexcept { return Eigen::Map<IronMatrix>(by_iron_.data()); }
 
+  /// (A27) A jump of the three errors from `first` on that would begin now; what was said of this one before is void.
+  void begin_jump(int jump, int first) noexcept;
+  [[nodiscard]] const JumpEvidence& jump_evidence(int jump) const noexcept {
+    return evidence_[static_cast<std::size_t>(jump)];
+  }
+  /// What it does to the rotation: columns per unit of its size.
+  [[nodiscard]] Mat3 turned_by_jump(int jump) const noexcept { return by_jump().block<3, 3>(kTheta, 3 * jump); }
+  /// It has been, of this size and covariance.
+  void believe_jump(int jump, const Vec3& size, const Mat3& covariance) noexcept;
+
   /// Variance of the tilt, rad^2: about both horizontal axes.
   [[nodiscard]] double tilt_rad2() const noexcept { return P()(kTheta, kTheta) + P()(kTheta + 1, kTheta + 1); }
 
@@ -81,7 +94,7 @@ class ErrorState {
 
   /// Adds variance to one error; what was known of its correlations stays.
   void add_variance(int index, double variance) noexcept { P()(index, index) += variance; }
-  /// Forgets one error: its variance is set and its correlations are dropped.
+  /// Forgets one error: its variance is set and its correlations are dropped. What a jump has done to it stays.
   void forget(int index, double variance) noexcept;
 
   /// Makes one error, so far independent, depend on others: x(index) += weights' x. Pre: weights(index) = 0.
@@ -97,11 +110,19 @@ class ErrorState {
   [[nodiscard]] ErrorVector take_mean() noexcept;
 
  private:
-  /// `by_iron` is the innovation's own dependence on the hard iron.
-  void correct(const ErrorVector& Ph, double innovation, double s, const Eigen::RowVector4d& by_iron) noexcept;
+  using ByJump = Eigen::Matrix<double, 1, 3 * kJumps>;
+  /// `by_iron` and `by_jump` are the innovation's own dependence on the hard iron and on the jumps.
+  void correct(const ErrorVector& Ph, double innovation, double s, const Eigen::RowVector4d& by_iron,
+               const ByJump& by_jump) noexcept;
+  [[nodiscard]] Eigen::Map<const JumpMatrix> by_jump() const noexcept {
+    return Eigen::Map<const JumpMatrix>(by_jump_.data());
+  }
+  [[nodiscard]] Eigen::Map<JumpMatrix> by_jump() noexcept { return Eigen::Map<JumpMatrix>(by_jump_.data()); }
   std::array<double, kErrorStates * kErrorStates> p_{};
   std::array<double, kErrorStates> mean_{};
   std::array<double, kErrorStates * 4> by_iron_{};
+  std::array<double, kErrorStates * 3 * kJumps> by_jump_{};
+  std::array<JumpEvidence, kJumps> evidence_{};
 };
 
 static_assert(std::is_trivially_copyable_v<ErrorState>);

@@ -14,8 +14,8 @@ struct FieldReferenceParams {
   double smallest_horizontal_uT = 3.0;
   double largest_uT = 100.0;
 
+  template <class P = FieldReferenceParams>
   static constexpr auto fields() {
-    using P = FieldReferenceParams;
     return std::tuple{field("tolerance", &P::tolerance, in_range(0.0, 10.0),
                             "deviation of the field, as a part of its norm, from which it counts as disturbed"),
                       field("learn_time_s", &P::learn_time_s, in_range(0.1, 1e6),

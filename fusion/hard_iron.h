@@ -20,8 +20,8 @@ struct HardIronParams {
   double noise_time_s = 1.0;
   double doubt = 12.0;
 
+  template <class P = HardIronParams>
   static constexpr auto fields() {
-    using P = HardIronParams;
     return std::tuple{
         field("sd_uT", &P::sd_uT, in_range(0.0, 1e4),
               "field of the body's own magnetism that the calibration may have left; 0: not learnt"),

@@ -13,6 +13,7 @@ struct HeadingReading {
   Eigen::Vector2d lean = Eigen::Vector2d::Zero();  ///< by the tilt about east and north
   Vec3 iron = Vec3::Zero();                        ///< by the error of the hard iron, rad/uT
   double field_variance_rad2 = 0.0;                ///< by the visible part of a disturbance
+  double white_variance_rad2 = 0.0;                ///< by the magnetometer's own noise
 
   /// Magnetic north lies at pi/2 - declination from east; the field seems turned from it by minus the error.
   [[nodiscard]] static double error(const Vec3& field_uT, double declination_rad) noexcept {

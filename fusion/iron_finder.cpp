@@ -6,10 +6,7 @@
 namespace stillpoint::fusion {
 namespace {
 
-constexpr double kTurn2 = 0.04;  ///< squared norm of R2 - R1, about 0.14 rad: enough for one difference
-constexpr double kStill2 = 1e-4;
-constexpr double kLongestTurn_s = 0.5;  ///< the unevenness of the place grows with the time
-constexpr double kMemory = 400.0;       ///< turns
+constexpr double kMemory = 400.0;  ///< turns
 constexpr double kLargestIron_uT = 1000.0;
 constexpr double kSmallestNoise_uT = 0.5;  ///< of the change between two readings
 /// Places are uneven in step with the motion of a hand or a leg: the residual alone would promise too much.
@@ -23,15 +20,8 @@ constexpr double kDenied = 9.0, kDeniedOver = 10.0;
 
 void IronFinder::observe(const Vec3& seen_world_uT, const Mat3& R_world_body, double time_s) noexcept {
   if (!seen_world_uT.allFinite()) return;
-  since_s_ += time_s;
-  const Mat3 turn = R_world_body - mat(anchor_R_);
-  const double turn2 = turn.squaredNorm();
-  if (anchored_ && turn2 < kTurn2 && since_s_ < kLongestTurn_s) return;
-  if (anchored_ && turn2 > kStill2) add_turn(turn, seen_world_uT - vec(anchor_uT_));
-  vec(anchor_uT_) = seen_world_uT;
-  mat(anchor_R_) = R_world_body;
-  since_s_ = 0.0;
-  anchored_ = true;
+  if (const auto turn = short_turns_.observe(seen_world_uT, R_world_body, time_s))
+    add_turn(turn->turn(), turn->change_uT());
 }
 
 /// Turns of two irons make one that never was. What comes after is taken alone, and has to last: beside a magnet of the
@@ -77,11 +67,6 @@ Mat3 IronFinder::covariance_uT2() const noexcept {
   return information.inverse() + kUneven_uT * kUneven_uT * Mat3::Identity();
 }
 
-void IronFinder::turn_world(const Mat3& by) noexcept {
-  vec(anchor_uT_) = by * Vec3(vec(anchor_uT_));
-  mat(anchor_R_) = by * Mat3(mat(anchor_R_));
-}
-
 void IronFinder::rebase(const Mat3& K, const Vec3& c) noexcept {
   const Vec3 body = K * Vec3(vec(body_)) + c;
   const double scale = std::cbrt(std::abs(K.determinant()));
@@ -90,7 +75,7 @@ void IronFinder::rebase(const Mat3& K, const Vec3& c) noexcept {
   vec(body_) = body;
   vec(weighted_) = mat(information_) * body;
   changes2_ = body.dot(vec(weighted_)) + 3.0 * turns_ * kSmallestNoise_uT * kSmallestNoise_uT;
-  anchored_ = false;
+  short_turns_.interrupt();
 }
 
 }  // namespace stillpoint::fusion

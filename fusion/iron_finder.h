@@ -3,7 +3,7 @@
 #pragma once
 #include <type_traits>
 
-#include "core/types.h"
+#include "fusion/short_turns.h"
 
 namespace stillpoint::fusion {
 
@@ -16,9 +16,9 @@ class IronFinder {
   void observe(const Vec3& seen_world_uT, const Mat3& R_world_body, double time_s) noexcept;
 
   /// The estimated attitude was corrected by this rotation, which is no turn of the body.
-  void turn_world(const Mat3& by) noexcept;
+  void turn_world(const Mat3& by) noexcept { short_turns_.turn_world(by); }
   /// What comes next is not connected with what was: a gap.
-  void interrupt() noexcept { anchored_ = false; }
+  void interrupt() noexcept { short_turns_.interrupt(); }
   /// Readings u are K u + c from here on.
   void rebase(const Mat3& K, const Vec3& c) noexcept;
 
@@ -33,16 +33,13 @@ class IronFinder {
   void add_turn(const Mat3& turn, const Vec3& change_uT) noexcept;
   [[nodiscard]] double residual_uT2() const noexcept;
 
+  ShortTurns short_turns_;
   Array9 information_{};  ///< sum of w D' D
   Array3 weighted_{};     ///< sum of w D' (change)
   double changes2_ = 0.0, turns_ = 0.0;
   Array3 body_{};
-  Array3 anchor_uT_{};
-  Array9 anchor_R_{};
   double fewest_ = 12.0;  ///< turns before it speaks; more of them once turns have denied what it said
   double denied_ = 1.0;   ///< mean square of the last turns' residuals over its expectation
-  double since_s_ = 0.0;
-  bool anchored_ = false;
 };
 
 static_assert(std::is_trivially_copyable_v<IronFinder>);

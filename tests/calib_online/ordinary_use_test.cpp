@@ -24,6 +24,53 @@ TEST_P(OrdinaryUseCase, LeavesAKnownSensor) {
   EXPECT_LT(scores.at("gyr matrix").error, 0.005) << GetParam().name;
 }
 
+/// Half a minute in one attitude the step may be a turn about the vertical, and each attitude after it may be an
+/// unlucky one. That all of them are off by the same in the body is no chance.
+TEST(OrdinaryUse, AStepThatLooksLikeATurnIsFoundByTheAttitudesAfterIt) {
+  OrdinaryUse life(57, false);
+  life.handle(20);
+  life.rest(20.0);
+  life.sensor().b_gyr_radps += 0.2 * kRadPerDeg * life.random().direction();
+  life.rest(30.0);
+  life.handle(20);
+  EXPECT_LT(rms(life.judge().at("gyr bias, deg/s").error), 0.01);
+}
+
+/// What agreed better than assumed is stated so.
+TEST(OrdinaryUse, IsStatedNoMoreThanThreeTimesTooWide) {
+  for (const auto& [quantity, s] : score(use_cases().front(), 0, 8)) EXPECT_LT(s.stated, 3.0 * s.error) << quantity;
+}
+
+/// The old one agreed ten times better than assumed; the bias of the new one differs by 0.03 deg/s from rest to rest.
+TEST(OrdinaryUse, ThatAGyroscopeAgreedIsNoEvidenceOfItsSuccessor) {
+  int judged = 0, inside = 0;
+  for (unsigned seed = 0; seed < 8; ++seed) {
+    OrdinaryUse life(seed, false);
+    life.handle(25);
+    const Vec3 middle = life.sensor().b_gyr_radps + 1.0 * kRadPerDeg * life.random().direction();
+    for (int attitude = 0; attitude < 24; ++attitude) {
+      life.sensor().b_gyr_radps = middle + life.random().normal3(0.03 * kRadPerDeg);
+      life.handle(1);
+      life.sensor().b_gyr_radps = middle;
+      const auto bias = life.judge().at("gyr bias, deg/s");
+      for (std::size_t k = 0; k < 3; ++k, ++judged) inside += std::abs(bias.error[k]) < 3.0 * bias.stated[k] ? 1 : 0;
+    }
+  }
+  EXPECT_GE(inside, 0.98 * judged);
+}
+
+/// A restart ends the attitude whose windows told of the lattice.
+TEST(OrdinaryUse, WhatTheLatticeHidesIsStatedAfterARestartToo) {
+  OrdinaryUse life(57, false);
+  life.sensor().gyr_lattice_radps = 0.25 * kRadPerDeg;
+  life.handle(20);
+  calib::OnlineCalibrator restarted({}, CalibrationSnapshot{});
+  ASSERT_TRUE(restarted.restore(life.calibrator().state()));
+  const double before = life.calibrator().snapshot().gyr.norm_sd, after = restarted.snapshot().gyr.norm_sd;
+  EXPECT_GT(before, 0.03 * kRadPerDeg);
+  EXPECT_NEAR(after, before, 0.1 * before);
+}
+
 INSTANTIATE_TEST_SUITE_P(Case, OrdinaryUseCase, ::testing::ValuesIn(use_cases()), [](const auto& use) {
   std::string name;
   for (const char* c = use.param.name; *c != '\0'; ++c) name += std::isalnum(static_cast<unsigned char>(*c)) ? *c : '_';

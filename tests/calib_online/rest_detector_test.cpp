@@ -113,8 +113,7 @@ TEST(RestDetector, HandsOnTheRotationBetweenTwoWindows) {
   const Window& last = windows.back();
   ASSERT_TRUE(last.rotation_valid);
   EXPECT_TRUE(last.moved);
-  const Array4& q = last.q_previous_this;
-  const Vec3 error = log_quat((first.conjugate() * source.attitude()).conjugate() * Quat(q[0], q[1], q[2], q[3]));
+  const Vec3 error = log_quat((first.conjugate() * source.attitude()).conjugate() * quat(last.q_previous_this));
   // 2e-3 rad: noise 0.001 rad/s at 100 Hz over 6 s gives 2.4e-4; the ends of the turn fall between samples.
   EXPECT_LT(error.norm(), 2e-3);
 }
@@ -266,6 +265,49 @@ TEST(RestDetector, ASensorThatSticksAtRestIsNamedAndNothingIsLearntFromIt) {
       const Vec3 e = s.gyr.bias_at(25.0) - truth.b_gyr;
       EXPECT_LT(e.dot(mat(s.gyr.bias_covariance).inverse() * e), 16.0) << axes << gyr_too;
     }
+  }
+}
+
+/// From the first window on: nothing was seen yet that it could be held against but the axes beside it.
+TEST(RestDetector, AnAxisThatStandsStillBesideNoisyOnesIsStuckAndOneThatIsNotThereIsNot) {
+  for (const double stands_at : {8.0, 0.0}) {
+    test::Synthetic source({}, 5);
+    RestDetector detector;
+    source.run(5.0, {}, [&](RawSample s) {
+      s.acc_mps2[2] = stands_at;
+      if (stands_at == 0.0) s.acc_mps2[0] += 9.8;
+      if (const auto window = detector.push(s, {})) {
+        EXPECT_EQ((window->stuck & kAcc) != 0, stands_at != 0.0) << stands_at;
+      }
+    });
+    EXPECT_EQ(detector.last_refusal() == Refusal::kStuck, stands_at != 0.0) << stands_at;
+  }
+}
+
+/// Half a step at most where noise does not cross it, nothing where noise is as large as the step.
+TEST(RestDetector, WhatTheLatticeHidesOfTheRateIsStatedUnlessNoiseCarriesIt) {
+  constexpr double kStep_radps = 0.25 * kDeg;
+  for (const double noise : {0.1, 1.0}) {
+    test::SensorTruth truth;
+    truth.gyr_noise_radps = noise * kStep_radps;
+    truth.b_gyr = Vec3(0.004, -0.006, 0.003);
+    test::Synthetic source(truth, 6);
+    RestDetector detector;
+    int windows = 0;
+    const auto take = [&](RawSample s) {
+      s.gyr_radps = array(Vec3(kStep_radps * (vec(s.gyr_radps) / kStep_radps).array().round()));
+      const auto window = detector.push(s, {});
+      if (!window || (window->has & kGyr) == 0) return;
+      ++windows;
+      const Vec3 off = vec(window->gyr_radps) - truth.b_gyr, sd = vec(window->gyr_rounding_var).cwiseSqrt();
+      for (int axis = 0; axis < 3; ++axis) {
+        EXPECT_LT(std::abs(off[axis]), 3.0 * sd[axis] + 4.5 * truth.gyr_noise_radps / std::sqrt(200.0)) << noise;
+        EXPECT_LE(sd[axis], (noise < 0.5 ? 0.3 : 0.001) * kStep_radps) << noise;
+      }
+    };
+    source.run(3.0, {.rate_radps = [](double t) { return Vec3(Vec3::Constant(0.2 * std::sin(3.0 * t))); }}, take);
+    source.run(20.0, {}, take);
+    EXPECT_GE(windows, 5);
   }
 }
 

@@ -32,7 +32,7 @@ TEST(AttitudeBadInput, ABadReadingLeavesAUnitQuaternionAGrowingCovarianceAndASta
     EXPECT_GT(e.sigma_yaw_rad, std::min(2.0, 10.0 * before.sigma_yaw_rad));
     EXPECT_GT(e.sigma_roll_rad, 10.0 * before.sigma_roll_rad);
     for (int i = 0; i < 3000; ++i) e = filter.step(motion.next(false), false);  // and it comes back
-    const Vec3 error = test::error_world(motion.q_world_body(), test::quat(e.q_world_body));
+    const Vec3 error = test::error_world(motion.q_world_body(), quat(e.q_world_body));
     EXPECT_LT(tilt_rad(error) * kDegPerRad, 5.0);
   }
 }
@@ -128,6 +128,7 @@ TEST(AttitudeBadInput, AStuckAccelerometerBesideALivingGyroscopeIsDegradedAndThe
   Array3 last{};
   for (int i = 0; i < 1400; ++i) {
     CalibratedSample s = motion.next(false);
+    s.has = kAcc | kGyr;  // the field would deny either
     if (i < 1000) last = s.acc_mps2;
     s.acc_mps2 = last;
     if (i >= 1000 && i % 2 == 0) s.acc_mps2[0] += 1e-9;

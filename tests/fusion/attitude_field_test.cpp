@@ -19,7 +19,7 @@ TEST(AttitudeField, HeadsByTheMagnetometerWithDeclination) {
   AttitudeEstimate e;
   for (int i = 0; i < 500; ++i) e = filter.step(motion.next(true), true);
   // The motion's field points to its y axis, which is magnetic north: true north lies 0.1 rad counter-clockwise of it.
-  const Vec3 error = test::error_world(motion.q_world_body(), test::quat(e.q_world_body));
+  const Vec3 error = test::error_world(motion.q_world_body(), quat(e.q_world_body));
   EXPECT_NEAR(error.z(), 0.1, 0.03);  // the first reading is off by 0.3 of 16 uT
   EXPECT_EQ(e.heading, HeadingReference::kTrue);
 }
@@ -36,7 +36,7 @@ TEST(AttitudeField, DistrustsADisturbedFieldKeepsTheHeadingAndSaysSo) {
     e = filter.step(s, false);
   }
   EXPECT_EQ(e.heading, HeadingReference::kDisturbed);
-  const Vec3 error = test::error_world(motion.q_world_body(), test::quat(e.q_world_body));
+  const Vec3 error = test::error_world(motion.q_world_body(), quat(e.q_world_body));
   EXPECT_LT(std::abs(error.z()) * kDegPerRad, 4.0);
 }
 
@@ -50,7 +50,7 @@ TEST(AttitudeField, AcceptsAFieldThatStaysAndKeepsTheHeading) {
     e = filter.step(s, false);
   }
   EXPECT_EQ(e.heading, HeadingReference::kMagnetic);
-  const Vec3 error = test::error_world(motion.q_world_body(), test::quat(e.q_world_body));
+  const Vec3 error = test::error_world(motion.q_world_body(), quat(e.q_world_body));
   EXPECT_LT(std::abs(error.z()) * kDegPerRad, 15.0);  // the field itself has turned by 23 degrees
 }
 
@@ -65,7 +65,7 @@ TEST(AttitudeField, TakesOutHardIronFixedToTheSensor) {
     double sum = 0.0;
     for (int i = 0; i < 24000; ++i) {
       const AttitudeEstimate e = filter.step(motion.next(false), false);
-      const Vec3 error = test::error_world(motion.q_world_body(), test::quat(e.q_world_body));
+      const Vec3 error = test::error_world(motion.q_world_body(), quat(e.q_world_body));
       if (i >= 12000) sum += error.z() * error.z() / 12000.0;
     }
     return std::sqrt(sum) * kDegPerRad;
@@ -110,7 +110,7 @@ TEST(AttitudeField, RebaseLeavesTheCorrectedRateWhatItWas) {
     const AttitudeEstimate a = kept.step(apply(from, raw), still);
     const AttitudeEstimate b = changed.step(apply(i < 2000 ? from : to, raw), still);
     ASSERT_LT((vec(a.rate_body_radps) - vec(b.rate_body_radps)).norm(), i == 2000 ? 1e-12 : 1e-3) << i;
-    ASSERT_LT(test::error_world(test::quat(a.q_world_body), test::quat(b.q_world_body)).norm(), 0.02) << i;
+    ASSERT_LT(test::error_world(quat(a.q_world_body), quat(b.q_world_body)).norm(), 0.02) << i;
     if (i == 2000) {  // the reading's covariance did not change: nothing was counted again
       for (std::size_t k = 0; k < 3; ++k) ASSERT_NEAR(a.gyro_bias_sd_radps[k], b.gyro_bias_sd_radps[k], 1e-6);
     }
@@ -155,7 +155,7 @@ TEST(AttitudeField, ACalibrationThatKnowsTheOffsetBetterTakesOverAndOneThatDoesN
       if (i == 3000) filter.rebase(from, to);
       s.mag_uT = array((i < 3000 ? from : to).mag.apply(s.mag_uT, 25.0));
       e = filter.step(s, false);
-      const double error = test::error_world(motion.q_world_body(), test::quat(e.q_world_body)).z();
+      const double error = test::error_world(motion.q_world_body(), quat(e.q_world_body)).z();
       if (i >= 9000) sum += error * error / 3000.0;
     }
     EXPECT_EQ(e.heading, HeadingReference::kMagnetic) << sd_uT << " uT, scale " << scale;

@@ -23,7 +23,7 @@ TEST(AttitudeFilter, FollowsAHandMotionAtEveryRate) {
       const AttitudeEstimate e = filter.step(motion.next(false), false);
       expect_valid(e);
       if (i < n / 4) continue;
-      const Vec3 error = test::error_world(motion.q_world_body(), test::quat(e.q_world_body));
+      const Vec3 error = test::error_world(motion.q_world_body(), quat(e.q_world_body));
       worst_tilt = std::max(worst_tilt, tilt_rad(error));
       worst = std::max(worst, error.norm());
     }
@@ -109,7 +109,7 @@ TEST(AttitudeFilter, PredictionTurnsTheAttitudeOnByTheRate) {
     a = plain.step(s, false);
     b = predicting.step(s, false);
   }
-  EXPECT_NEAR(test::error_world(test::quat(b.q_world_body), test::quat(a.q_world_body)).z(), 0.01, 1e-6);
+  EXPECT_NEAR(test::error_world(quat(b.q_world_body), quat(a.q_world_body)).z(), 0.01, 1e-6);
 }
 
 TEST(InNed, NorthIsXAndYawIsClockwise) {
@@ -117,7 +117,7 @@ TEST(InNed, NorthIsXAndYawIsClockwise) {
   enu.covariance_world_rad2 = {1, 0, 0, 0, 2, 0, 0, 0, 3};
   enu.rate_body_radps = {1, 2, 3};
   const AttitudeEstimate ned = in_ned(enu);
-  const Quat q = test::quat(ned.q_world_body);
+  const Quat q = quat(ned.q_world_body);
   EXPECT_LT((q * Vec3::UnitX() - Vec3(0, 1, 0)).norm(), 1e-12);  // forward is east, the y axis of NED
   EXPECT_LT((q * Vec3::UnitZ() - Vec3(0, 0, 1)).norm(), 1e-12);  // down is down
   EXPECT_EQ(ned.covariance_world_rad2, (Array9{2, 0, 0, 0, 1, 0, 0, 0, 3}));

@@ -10,7 +10,7 @@ using test::MotionParams;
 using test::RandomMotion;
 
 Vec3 error_of(const RandomMotion& motion, const AttitudeEstimate& e) {
-  return test::error_world(motion.q_world_body(), test::quat(e.q_world_body));
+  return test::error_world(motion.q_world_body(), quat(e.q_world_body));
 }
 
 TEST(AttitudeHonesty, APauseOfAFastTurnIsBridgedAndItsErrorStated) {
@@ -172,10 +172,10 @@ TEST(AttitudeHonesty, ATiltThatRestContradictsIsGivenUp) {
   const Quat shifted = exp_quat(Vec3(0.17, 0.0, 0.0));  // 10 degrees, 17 deviations of its offset
   for (int i = 0; i < 500; ++i) {
     CalibratedSample s = motion.next(true);
-    s.acc_mps2 = stillpoint::array(Vec3(shifted * vec(s.acc_mps2)));
+    s.acc_mps2 = array(Vec3(shifted * vec(s.acc_mps2)));
     e = filter.step(s, true);
   }
-  const Vec3 up = test::quat(e.q_world_body) * (shifted * (motion.q_world_body().conjugate() * Vec3::UnitZ()));
+  const Vec3 up = quat(e.q_world_body) * (shifted * (motion.q_world_body().conjugate() * Vec3::UnitZ()));
   EXPECT_LT(std::acos(std::min(1.0, up.z())) * kDegPerRad, 5.0);
 }
 
@@ -242,12 +242,12 @@ TEST(AttitudeHonesty, TheMountingOfTheSensorDoesNotMatter) {
     CalibratedSample s = motion.next(i % 1500 < 500);
     const AttitudeEstimate a = plain.step(s, i % 1500 < 500);
     for (Array3* reading : {&s.acc_mps2, &s.gyr_radps, &s.mag_uT})
-      *reading = stillpoint::array(Vec3(mounting.conjugate() * vec(*reading)));
+      *reading = array(Vec3(mounting.conjugate() * vec(*reading)));
     const AttitudeEstimate b = mounted.step(s, i % 1500 < 500);
-    const Quat same = test::quat(a.q_world_body) * mounting;
+    const Quat same = quat(a.q_world_body) * mounting;
     // The field's start turns the world about the vertical by what the first sample gave each: equal from there on.
     if (i <= 20) continue;
-    ASSERT_LT(log_quat(same * test::quat(b.q_world_body).conjugate()).norm(), 1e-6) << i;
+    ASSERT_LT(log_quat(same * quat(b.q_world_body).conjugate()).norm(), 1e-6) << i;
   }
 }
 

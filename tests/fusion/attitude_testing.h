@@ -20,7 +20,7 @@ struct Coverage {
 };
 
 inline void expect_valid(const AttitudeEstimate& e) {
-  ASSERT_NEAR(test::quat(e.q_world_body).norm(), 1.0, 1e-12);
+  ASSERT_NEAR(quat(e.q_world_body).norm(), 1.0, 1e-12);
   ASSERT_TRUE(mat(e.covariance_world_rad2).allFinite());
   ASSERT_GE(e.sigma_roll_rad, 0.0);
   ASSERT_GE(e.sigma_yaw_rad, 0.0);

@@ -10,6 +10,7 @@
 #include "fusion/attitude_filter.h"
 #include "io/recording.h"
 #include "tests/fusion/random_motion.h"
+#include "tests/source_folder.h"
 
 namespace stillpoint::fusion {
 namespace {
@@ -26,10 +27,10 @@ std::string line(const AttitudeEstimate& e) {
 }
 
 void check(const std::string& name, const std::string& trace) {
-  const std::string path = std::string(STILLPOINT_SOURCE_DIR) + "/tests/golden/" + name + ".txt";
+  const std::string path = in_source("tests/golden/") + name + ".txt";
   if (std::getenv("STILLPOINT_WRITE_GOLDEN") != nullptr) {
     std::ofstream(path) << trace;
-    GTEST_SKIP() << "wrote " << path;
+    GTEST_SKIP() << "LOUD: SKIPPED, wrote " << path;
   }
   std::ifstream file(path);
   ASSERT_TRUE(file) << path << " is absent";
@@ -68,8 +69,8 @@ std::string trace_of(std::size_t n, Next&& next) {
 /// A rest rule of its own (the rate stays small for two seconds), so that a change of the rest detector is not a change
 /// here.
 void check_recording(const std::string& name, const std::string& file) {
-  const std::string path = std::string(STILLPOINT_SOURCE_DIR) + "/../shared/recordings/" + file;
-  if (!std::filesystem::exists(path)) GTEST_SKIP() << "SKIPPED, recording absent: " << path;
+  const std::string path = in_source("../shared/recordings/") + file;
+  if (!std::filesystem::exists(path)) GTEST_SKIP() << "LOUD: SKIPPED, recording absent: " << path;
   const auto recording = io::read_recording(path);
   ASSERT_TRUE(recording.has_value()) << recording.error().message;
   double still_s = 0.0;
@@ -88,14 +89,14 @@ void check_recording(const std::string& name, const std::string& file) {
 }
 
 TEST(Golden, HandheldNineAxis) {
-  const std::string folder = std::string(STILLPOINT_SOURCE_DIR) + "/../shared/recordings/handheld_9axis";
+  const std::string folder = in_source("../shared/recordings/handheld_9axis");
   std::error_code absent;
   for (const auto& entry : std::filesystem::directory_iterator(folder, absent)) {
     if (entry.path().extension() == ".csv") {
       return check_recording("handheld_9axis", "handheld_9axis/" + entry.path().filename().string());
     }
   }
-  GTEST_SKIP() << "SKIPPED, recording absent: " << folder;
+  GTEST_SKIP() << "LOUD: SKIPPED, recording absent: " << folder;
 }
 
 TEST(Golden, BroadPhoneVibration) { check_recording("broad_26", "broad/26_disturbed_phone_vibration_A.csv"); }

@@ -91,8 +91,6 @@ class RandomMotion {
   std::uint64_t n_ = 0;
 };
 
-inline Quat quat(const std::array<double, 4>& q) { return Quat(q[0], q[1], q[2], q[3]); }
-
 /// Rotation error in world axes: q_true = exp(error) q_estimated.
 inline Vec3 error_world(const Quat& truth, const Quat& estimate) { return log_quat(truth * estimate.conjugate()); }
 

@@ -1,4 +1,4 @@
-/// The figures of docs/calibration.md that are stated as reached, held against their goals: the tables of
+/// The figures of docs/calibration_figures.md that are stated as reached, held against their goals: the tables of
 /// bench/calibration_tables, computed anew.
 #include <gtest/gtest.h>
 
@@ -6,6 +6,7 @@
 #include <filesystem>
 
 #include "bench/calibration_tables.h"
+#include "tests/source_folder.h"
 
 namespace stillpoint::bench {
 namespace {
@@ -78,8 +79,8 @@ TEST(CalibrationFigures, ZhangsTables) {
 }
 
 TEST(CalibrationFigures, RealRecordings) {
-  const std::string folder = STILLPOINT_SOURCE_DIR "/../shared/recordings";
-  if (!std::filesystem::exists(folder)) GTEST_SKIP() << "SKIPPED: " << folder << " is not there";
+  const std::string folder = in_source("../shared/recordings");
+  if (!std::filesystem::exists(folder)) GTEST_SKIP() << "LOUD: SKIPPED: " << folder << " is not there";
   Figures f = real_recordings(folder);
   EXPECT_LE(f.at("poses.after_mps2"), 0.06);
   EXPECT_LE(f.at("ferraris.worst_sigma"), 2.0);
