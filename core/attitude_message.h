@@ -61,7 +61,7 @@ struct DiagnosticsMessage {
   double longest_gap_s = 0.0;
   std::uint64_t dropped = 0;
   std::uint64_t clipped = 0;
-  std::uint64_t refused = 0;     ///< samples that were not used at all: empty, repeated or out of order
+  std::uint64_t refused = 0;     ///< samples that were not used at all: empty, repeated, out of order or too late
   std::uint64_t not_finite = 0;  ///< readings taken out of their samples
   std::uint64_t write_failures = 0;
   std::uint64_t datagrams_malformed = 0, datagrams_off_host = 0, datagrams_flooded = 0;  ///< kept from DDS

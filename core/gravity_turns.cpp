@@ -17,12 +17,10 @@ constexpr double kNormError = 1.15;  // of an accelerometer that nobody calibrat
 }  // namespace
 
 void GravityTurns::Noise::push(const Array3& reading) noexcept {
-  if (started) {
-    for (std::size_t k = 0; k < 3; ++k) sum2 += (reading[k] - last[k]) * (reading[k] - last[k]) / 6.0;
-    ++n;
-  }
-  last = reading;
-  started = true;
+  if (!differences.push(reading)) return;
+  const Array3 noise2 = differences.noise2(kOrder);
+  sum2 += (noise2[0] + noise2[1] + noise2[2]) / 3.0;
+  ++n;
 }
 
 double GravityTurns::Noise::take() noexcept {

@@ -4,6 +4,7 @@
 #include <array>
 #include <cstdint>
 
+#include "core/differences.h"
 #include "core/types.h"
 
 namespace stillpoint {
@@ -17,7 +18,7 @@ struct TurnsFit {
   double unrest_radps = 0.0;      ///< of the rate, from block to block
   double gravity_turn_rad = 0.0;  ///< from the first quarter to the last; 0 unless both are about as strong as gravity
   double gyr_turn_rad = 0.0;      ///< the way that the gyroscope tells meanwhile
-  double gyr_noise_radps = 0.0;   ///< from reading to reading
+  double gyr_noise_radps = 0.0;   ///< that no smooth motion explains
   double acc_noise_share = 0.0;   ///< the same of the accelerometer, over gravity
 };
 
@@ -35,13 +36,13 @@ class GravityTurns {
     Array3 force{};     ///< mean
     Array3 turn_rad{};  ///< integral of the rate
     double seconds = 0.0;
-    double acc_noise2 = 0.0, gyr_noise2 = 0.0;  ///< half the mean square of an axis' step from reading to reading
+    double acc_noise2 = 0.0, gyr_noise2 = 0.0;  ///< variance of an axis that its smooth motion does not explain
   };
   struct Noise {
+    static constexpr std::size_t kOrder = 3;
+    Differences<kOrder> differences;
     double sum2 = 0.0;
     std::uint32_t n = 0;
-    Array3 last{};
-    bool started = false;
     void push(const Array3& reading) noexcept;
     [[nodiscard]] double take() noexcept;
   };

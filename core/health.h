@@ -64,7 +64,8 @@ struct SensorsHealth {
   /// The gravest state of the sensors that the attitude stands on. An absent magnetometer or thermometer is no fault.
   [[nodiscard]] Health worst() const noexcept {
     const Health field = mag.state == Health::kAbsent ? Health::kOk : mag.state;
-    return std::max({acc.state, gyr.state, field});
+    const Health heat = temp.state == Health::kFaulty ? Health::kFaulty : Health::kOk;
+    return std::max({acc.state, gyr.state, field, heat});
   }
 };
 

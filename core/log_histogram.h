@@ -1,4 +1,5 @@
 /// Quantiles of a positive quantity that may lie anywhere in eighteen decades, in bins of a sixteenth octave (4.4 %).
+/// Of 65535 values at most: it travels with the stages, which are copied.
 #pragma once
 #include <algorithm>
 #include <array>
@@ -30,7 +31,7 @@ class LogHistogram {
     if (!(x > 0.0)) return 0;
     return static_cast<std::size_t>(std::clamp(16.0 * (std::log2(x) + 30.0) + 1.0, 0.0, double{kBins - 1}));
   }
-  std::array<std::uint32_t, kBins> bins_{};
+  std::array<std::uint16_t, kBins> bins_{};
   std::uint32_t count_ = 0;
 };
 

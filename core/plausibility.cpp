@@ -9,7 +9,7 @@ namespace stillpoint {
 namespace {
 
 constexpr std::int64_t kWindow_ns = 4'000'000'000;
-constexpr std::uint32_t kLeastReadings = 50;
+constexpr std::uint32_t kLeastReadings = 50, kMostReadings = 60'000;
 constexpr int kWindowsInARow = 2;
 constexpr double kLatest_ns = 4e18;
 
@@ -23,6 +23,7 @@ constexpr double kWeightlessBelow = 0.02;
 
 // Gyroscope.
 constexpr double kExplained = 0.6, kWellExplained = 0.8, kLeastTurned_rad2 = 0.02;
+constexpr double kToldRight = 0.3;            // explained: enough to see that a scale is not off by kFactor
 constexpr double kFactor = 8.0;               // off by more: no scale error, no lever arm
 constexpr double kLargestOffset_radps = 1.0;  // 57 deg/s; the worst data sheets say 40
 constexpr double kTurned_rad = 0.8;
@@ -68,13 +69,22 @@ Mistake gyr_mistake(double scale) noexcept {
 
 }  // namespace
 
-bool PlausibilityCheck::found(Oddity oddity) const noexcept {
-  const auto all = findings();
-  return std::any_of(all.begin(), all.end(), [oddity](const Finding& f) { return f.oddity == oddity; });
+Finding* PlausibilityCheck::found(Oddity oddity) noexcept {
+  const auto all = std::span(findings_).first(found_);
+  const auto found = std::find_if(all.begin(), all.end(), [oddity](const Finding& f) { return f.oddity == oddity; });
+  return found == all.end() ? nullptr : &*found;
 }
 
 void PlausibilityCheck::find(Oddity oddity, Mistake mistake, double value, std::int64_t t_ns) noexcept {
-  if (!found(oddity)) findings_[found_++] = {oddity, mistake, value, t_ns};
+  Finding* const before = found(oddity);
+  if (before == nullptr)
+    findings_[found_++] = {oddity, mistake, value, t_ns};
+  else if (!before->stands)
+    *before = {oddity, mistake, value, t_ns};
+}
+
+void PlausibilityCheck::clear(Oddity oddity) noexcept {
+  if (Finding* const before = found(oddity)) before->stands = false;
 }
 
 void PlausibilityCheck::restart() noexcept {
@@ -110,7 +120,8 @@ void PlausibilityCheck::push_part(Part& part, const Array3& reading, std::int64_
   part.last_ns = t_ns;
   part.started = true;
   if (t_ns < part.window_start_ns) part.window_start_ns = t_ns;
-  if (t_ns - part.window_start_ns < kWindow_ns || part.norms.count() < kLeastReadings) return;
+  const bool long_enough = t_ns - part.window_start_ns >= kWindow_ns && part.norms.count() >= kLeastReadings;
+  if (!long_enough && part.norms.count() < kMostReadings) return;
   judge_steps(part, t_ns);
   judge_window(part, kind, t_ns);
   part.norms.clear();
@@ -132,7 +143,10 @@ void PlausibilityCheck::judge_time(Part& part, std::int64_t t_ns) noexcept {
   if (part.steps.count() == kLeastReadings) judge_steps(part, t_ns);
   if (part.steps.count() == kFewSteps && &part == &gyr_) {
     const double usual_s = part.steps.quantile(0.5);
-    if (usual_s > kLongestGyrStep_s && usual_s <= kSlowestStep_s) find(Oddity::kTooSlow, Mistake::kNone, usual_s, t_ns);
+    if (usual_s > kLongestGyrStep_s && usual_s <= kSlowestStep_s)
+      find(Oddity::kTooSlow, Mistake::kNone, usual_s, t_ns);
+    else
+      clear(Oddity::kTooSlow);
   }
 }
 
@@ -141,15 +155,19 @@ void PlausibilityCheck::judge_steps(const Part& part, std::int64_t t_ns) noexcep
   const double step_s = part.steps.quantile(0.5);
   if (step_s > kSlowestStep_s)
     find(Oddity::kTimeScale, step_s < 700.0 ? Mistake::kMsAsS : Mistake::kUsAsS, step_s, t_ns);
-  if (step_s < kFastestStep_s) find(Oddity::kTimeScale, Mistake::kSAsMs, step_s, t_ns);
+  else if (step_s < kFastestStep_s)
+    find(Oddity::kTimeScale, Mistake::kSAsMs, step_s, t_ns);
+  else
+    clear(Oddity::kTimeScale);
 }
 
 void PlausibilityCheck::judge_window(Part& part, SamplePart kind, std::int64_t t_ns) noexcept {
   const double median = part.norms.quantile(0.5);
   const double low = part.norms.quantile(0.05), high = part.norms.quantile(0.95);
-  const auto odd = [&](bool is_odd, Oddity oddity, Mistake mistake) {
-    part.odd_windows = is_odd ? part.odd_windows + 1 : 0;
+  const auto judge = [&](bool odd, bool right, Oddity oddity, Mistake mistake) {
+    part.odd_windows = odd ? std::max(0, part.odd_windows) + 1 : right ? std::min(0, part.odd_windows) - 1 : 0;
     if (part.odd_windows >= kWindowsInARow) find(oddity, mistake, median, t_ns);
+    if (part.odd_windows <= -kWindowsInARow) clear(oddity);
   };
   if (kind == kAcc) {
     const double ratio = median / kStandardGravity_mps2;
@@ -159,10 +177,10 @@ void PlausibilityCheck::judge_window(Part& part, SamplePart kind, std::int64_t t
     const bool at_rest = high < kSteady * low && !gravity && ratio > kWeightlessBelow;
     const bool in_use = !part.gravity_seen && mistake != Mistake::kNone && mistake != Mistake::kRange &&
                         part.norms.quantile(0.9) < kMovingSpread * part.norms.quantile(0.1);
-    odd(at_rest || in_use, Oddity::kAccScale, mistake);
-  } else if (kind == kGyr) {
-    odd(part.norms.quantile(0.9) > kLargestRate_radps, Oddity::kGyrScale,
-        median > 4000.0 ? Mistake::kCounts : Mistake::kDegpsAsRadps);
+    judge(at_rest || in_use, gravity, Oddity::kAccScale, mistake);
+  } else if (kind == kGyr) {  // that it is right only the turning of gravity can tell
+    judge(part.norms.quantile(0.9) > kLargestRate_radps, false, Oddity::kGyrScale,
+          median > 4000.0 ? Mistake::kCounts : Mistake::kDegpsAsRadps);
   } else {
     Mistake mistake = Mistake::kNone;
     if (median > kGauss_low && median < kGauss_high) mistake = Mistake::kGaussAsUT;
@@ -170,17 +188,18 @@ void PlausibilityCheck::judge_window(Part& part, SamplePart kind, std::int64_t t
     if (median > 1.5e-5 && median < 1e-4) mistake = Mistake::kTeslaAsUT;
     if (median > kUTAsGauss_low && median < 7000.0 && high > kFieldMoves * low) mistake = Mistake::kUTAsGauss;
     if (median > kNanoTesla_low && median < kNanoTesla_high) mistake = Mistake::kNanoTeslaAsUT;
-    odd(mistake != Mistake::kNone, Oddity::kMagScale, mistake);
+    judge(mistake != Mistake::kNone, median > kGauss_high && median < kUTAsGauss_low, Oddity::kMagScale, mistake);
   }
   if (kind == kMag) return;  // many drivers hold a slow magnetometer's readings
   const double share = static_cast<double>(part.repeats) / part.norms.count();
   part.repeating_windows = share > kRepeatedShare ? part.repeating_windows + 1 : 0;
   const bool other = !acc_.started || !gyr_.started || std::min(acc_.repeating_windows, gyr_.repeating_windows) > 0;
   if (part.repeating_windows >= kWindowsInARow && other) find(Oddity::kRepeated, Mistake::kNone, share, t_ns);
+  if (part.repeating_windows == 0) clear(Oddity::kRepeated);
 }
 
 void PlausibilityCheck::judge_gravity_turns(std::int64_t t_ns) noexcept {
-  if (found(Oddity::kTimeScale)) return;
+  if (const Finding* const time = found(Oddity::kTimeScale); time != nullptr && time->stands) return;
   const TurnsFit fit = turns_.fit();
   const bool related = fit.explained > kExplained && fit.turned_rad2 > kLeastTurned_rad2;
   const bool off = related && (std::abs(fit.scale) < 1.0 / kFactor || std::abs(fit.scale) > kFactor);
@@ -189,7 +208,17 @@ void PlausibilityCheck::judge_gravity_turns(std::int64_t t_ns) noexcept {
   const bool loud = fit.held > kStill && fit.gyr_noise_radps > std::max(kLoudGyr_radps, fit.unrest_radps) &&
                     fit.acc_noise_share < kQuietAccShare;
   const bool silent = fit.gravity_turn_rad > kTurned_rad && kFactor * fit.gyr_turn_rad < fit.gravity_turn_rad;
-  odd_turns_ = off || spins || loud || silent ? odd_turns_ + (fit.explained > kWellExplained ? 2 : 1) : 0;
+  const bool odd = off || spins || loud || silent;
+  const bool right = fit.explained > kToldRight && fit.turned_rad2 > kLeastTurned_rad2 &&
+                     std::abs(fit.scale) > 1.0 / kFactor && std::abs(fit.scale) < kFactor;
+  if (odd)
+    odd_turns_ = std::max(0, odd_turns_) + (fit.explained > kWellExplained ? 2 : 1);
+  else
+    odd_turns_ = std::min(0, odd_turns_) - (right ? 1 : 0);
+  if (odd_turns_ <= -kTurnsInARow) {
+    clear(Oddity::kGyrScale);
+    clear(Oddity::kGyrSilent);
+  }
   if (odd_turns_ < kTurnsInARow) return;
   if (silent) return find(Oddity::kGyrSilent, Mistake::kRadpsAsDegps, fit.gravity_turn_rad, t_ns);
   const Mistake mistake = off ? gyr_mistake(fit.scale) : Mistake::kDegpsAsRadps;
@@ -208,7 +237,9 @@ void PlausibilityCheck::push_temp(double temp_degC, std::int64_t t_ns) noexcept 
                                                           : Mistake::kNone;
     return find(Oddity::kTempScale, likely, temp_degC, t_ns);
   }
+  clear(Oddity::kTempScale);
   temp_moved_ = temp_moved_ || temp_degC != first_temp_degC_;
+  if (temp_moved_) clear(Oddity::kTempDead);
   const double stood_s = kSecondsPerNs * (static_cast<double>(t_ns) - static_cast<double>(first_temp_ns_));
   const double patience_s = first_temp_degC_ == 0.0 ? kZeroFor_s : kStandsStill_s;
   if (!temp_moved_ && temps_ >= kLeastReadings && stood_s > patience_s)

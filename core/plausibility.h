@@ -55,6 +55,7 @@ struct Finding {
   Mistake mistake = Mistake::kNone;
   double value = 0.0;
   std::int64_t t_ns = 0;  ///< of the reading that gave it away
+  bool stands = true;     ///< false: readings since then were right
 };
 
 /// 10 Hz and a little: further apart, how the body turned in between is not known and there is no attitude.
@@ -66,7 +67,7 @@ inline constexpr double kLongestGyrStep_s = 0.11;
 class PlausibilityCheck {
  public:
   void push(const RawSample& sample) noexcept;
-  /// The device came back: all is judged anew, what was found stands.
+  /// The device came back: all is judged anew, what was found stands until its readings are right.
   void restart() noexcept;
 
   /// In the order in which they were found; each oddity once.
@@ -79,7 +80,7 @@ class PlausibilityCheck {
     std::int64_t last_ns = 0, window_start_ns = 0;
     LogHistogram norms, steps;
     std::uint32_t repeats = 0, same_time = 0, backward = 0;
-    int odd_windows = 0, repeating_windows = 0;
+    int odd_windows = 0, repeating_windows = 0;  ///< in a row; below 0: so many were right
     bool started = false, gravity_seen = false;
   };
 
@@ -90,7 +91,9 @@ class PlausibilityCheck {
   void judge_steps(const Part& part, std::int64_t t_ns) noexcept;
   void judge_gravity_turns(std::int64_t t_ns) noexcept;
   void find(Oddity oddity, Mistake mistake, double value, std::int64_t t_ns) noexcept;
-  [[nodiscard]] bool found(Oddity oddity) const noexcept;
+  /// The readings are right by now.
+  void clear(Oddity oddity) noexcept;
+  [[nodiscard]] Finding* found(Oddity oddity) noexcept;
 
   std::array<Finding, kOddities> findings_{};
   std::size_t found_ = 0;

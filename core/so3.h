@@ -51,6 +51,13 @@ inline Quat exp_quat(const Vec3& phi) {
 /// The product of unit quaternions, brought back to unit norm: it is off by rounding alone, so one Newton step serves.
 inline Quat renormalized(const Quat& q) { return Quat((1.5 - 0.5 * q.squaredNorm()) * q.coeffs()); }
 
+/// Of a product of unit quaternions: unit norm and w >= 0, so that the same attitude has the same four numbers.
+inline Array4 array(const Quat& q) {
+  const Quat n = renormalized(q);
+  const double sign = n.w() < 0 ? -1.0 : 1.0;
+  return {sign * n.w(), sign * n.x(), sign * n.y(), sign * n.z()};
+}
+
 inline Mat3 exp_so3(const Vec3& phi) { return exp_quat(phi).toRotationMatrix(); }
 
 /// Rotation vector (rad) of q, of length at most pi; q and -q give the same.

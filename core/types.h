@@ -19,6 +19,7 @@ using Quat = Eigen::Quaterniond;  ///< Hamilton; q_world_body rotates body vecto
 /// Plain storage for anything that crosses a ring, a snapshot cell or the wire:
 /// Eigen 3.4 vectors are not trivially copyable.
 using Array3 = std::array<double, 3>;
+using Array4 = std::array<double, 4>;  ///< a quaternion w, x, y, z
 using Array9 = std::array<double, 9>;  ///< a 3x3 matrix, row-major
 
 using RowMajor3 = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
@@ -26,6 +27,7 @@ inline Eigen::Map<const Vec3> vec(const Array3& a) { return Eigen::Map<const Vec
 inline Eigen::Map<Vec3> vec(Array3& a) { return Eigen::Map<Vec3>(a.data()); }
 inline Eigen::Map<const RowMajor3> mat(const Array9& a) { return Eigen::Map<const RowMajor3>(a.data()); }
 inline Eigen::Map<RowMajor3> mat(Array9& a) { return Eigen::Map<RowMajor3>(a.data()); }
+inline Quat quat(const Array4& q) { return Quat(q[0], q[1], q[2], q[3]); }
 inline Array3 array(const Vec3& v) { return {v.x(), v.y(), v.z()}; }
 inline Array9 array(const Mat3& m) {
   return {m(0, 0), m(0, 1), m(0, 2), m(1, 0), m(1, 1), m(1, 2), m(2, 0), m(2, 1), m(2, 2)};

@@ -4,6 +4,7 @@
 #include <filesystem>
 
 #include "io/simulation_yaml.h"
+#include "simulation/law_effect.h"
 
 namespace stillpoint::io {
 namespace {
@@ -41,10 +42,51 @@ bool is_causal(const std::string& id) {
          std::any_of(std::begin(kOthers), std::end(kOthers), [&](const auto& c) { return id == c; });
 }
 
+/// A law that has no memory and no driver but what the stages know of a moment.
+bool is_momentary(const laws::Node& law) {
+  const auto names = laws::drivers_of(law);
+  return laws::memoryless(law) && std::all_of(names.begin(), names.end(), [](const std::string& n) {
+           return n == "w" || n == "f" || n == "m" || n == "T";
+         });
+}
+
+bool is_causal(const sim::EffectConfig& effect) {
+  if (!sim::is_law(effect)) return is_causal(effect.id);
+  const auto tree = sim::tree_of(effect);
+  return tree && is_momentary(*tree);
+}
+
+Vec3 driver_of(const pipeline::Momentary& now, std::string_view name) {
+  if (name == "f") return now.force;
+  if (name == "w") return now.rate;
+  return name == "m" ? now.field : Vec3(Vec3::Constant(now.temp_degC));
+}
+
+pipeline::TakenOutLaw taken_out(const sim::EffectConfig& effect) {
+  using pipeline::Momentary;
+  static constexpr Vec3 Momentary::*kOf[] = {&Momentary::force, &Momentary::rate, &Momentary::field};
+  const laws::Coupled law = sim::coupled(effect);
+  const Mat3 matrix = law.has_matrix ? Mat3(mat(law.matrix)) : Mat3(Vec3(law.matrix.data()).asDiagonal());
+  return {kOf[static_cast<std::size_t>(effect.sensors.front())],
+          [matrix, stream = laws::Stream(law.tree)](const Momentary& now) mutable -> Vec3 {
+            return matrix * stream.next([&now](std::string_view name, double) { return driver_of(now, name); }, 0.0);
+          }};
+}
+
 std::string list_of_compensated() {
   std::set<std::string> ids(std::begin(kOthers), std::end(kOthers));
   for (const auto& c : kVectors) ids.insert(c.id);
   return fmt::format("{}", fmt::join(ids, ", "));
+}
+
+std::string why_not(const sim::EffectConfig& effect) {
+  if (sim::is_law(effect))
+    return fmt::format(
+        "the law '{}' cannot be taken out of the readings in real time: it may use w, f, m and T as they "
+        "are at that moment, no memory (lag, delay, play, d, integral), time, supply or current",
+        sim::expression_of(effect));
+  return fmt::format("'{}' cannot be taken out of the readings in real time; what can: a law, {}", effect.id,
+                     list_of_compensated());
 }
 
 /// Pre: read_effect found no fault. Effects of one kind add up.
@@ -65,6 +107,11 @@ void add_effect(const sim::EffectConfig& effect, pipeline::Compensation& out) {
   if (effect.id == "gyr_gsens") {
     for (int i = 0; i < 9; ++i)
       if (on(i / 3)) out.gyr_gsens(i / 3, i % 3) += number("G_radps_per_mps2", static_cast<std::size_t>(i));
+  }
+  if (sim::is_law(effect)) {
+    auto laws = out.laws ? *out.laws : std::vector<pipeline::TakenOutLaw>{};
+    laws.push_back(taken_out(effect));
+    out.laws = std::make_shared<const std::vector<pipeline::TakenOutLaw>>(std::move(laws));
   }
   if (effect.id == "mag_delay") out.mag_delay_s += number("tau_s", 0);
   out.any = true;
@@ -141,9 +188,8 @@ void read_value(const YAML::Node& node, std::vector<sim::EffectConfig>& out, con
     const std::size_t before = faults.messages().size();
     read_effect(entry, effect, faults);
     if (faults.messages().size() != before) continue;
-    if (!is_causal(effect.id))
-      faults.add(entry, fmt::format("'{}' cannot be taken out of the readings in real time; what can: {}", effect.id,
-                                    list_of_compensated()));
+    if (!is_causal(effect))
+      faults.add(entry, why_not(effect));
     else if (effect.window_s)
       faults.add(entry["window_s"], "'window_s' has no meaning here: a compensation is always in force");
     else
@@ -151,7 +197,7 @@ void read_value(const YAML::Node& node, std::vector<sim::EffectConfig>& out, con
   }
 }
 
-bool can_be_compensated(const sim::EffectConfig& effect) { return is_causal(effect.id) && !effect.window_s; }
+bool can_be_compensated(const sim::EffectConfig& effect) { return is_causal(effect) && !effect.window_s; }
 
 Result<DaemonConfig> parse_config(const std::string& text, const std::string& name) {
   const auto root = parse_yaml(text, name);

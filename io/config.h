@@ -25,8 +25,8 @@ struct SensorConfig {
   std::string id = "imu0";
   TriadFactory accelerometer, gyroscope, magnetometer;
   pipeline::GuardParams limits;
+  template <class P = SensorConfig>
   static constexpr auto fields() {
-    using P = SensorConfig;
     return std::tuple{
         field("id", &P::id, "identity of this very sensor (serial number): its calibration is kept under it"),
         field("accelerometer", &P::accelerometer, "factory calibration, m/s^2"),
@@ -40,8 +40,8 @@ struct CalibrationConfig {
   bool enabled = true;
   double answer_delay_s = 0.1;
   calib::OnlineCalibratorParams online;
+  template <class P = CalibrationConfig>
   static constexpr auto fields() {
-    using P = CalibrationConfig;
     return std::tuple{
         field("enabled", &P::enabled, "false: the factory calibration serves all the time"),
         field("answer_delay_s", &P::answer_delay_s, in_range(0.0, 10.0),
@@ -54,8 +54,8 @@ struct OutputConfig {
   pipeline::WorldFrame world_frame = pipeline::WorldFrame::kEnu;
   Mount mount;
   std::optional<double> initial_heading_rad;
+  template <class P = OutputConfig>
   static constexpr auto fields() {
-    using P = OutputConfig;
     return std::tuple{
         field("world_frame", &P::world_frame,
               "enu (body x forward, y left, z up) or ned (body x forward, y right, z down)"),
@@ -70,8 +70,8 @@ struct StateConfig {
   std::string directory;
   int keep = 3;
   double save_period_s = 60.0;
+  template <class P = StateConfig>
   static constexpr auto fields() {
-    using P = StateConfig;
     return std::tuple{
         field("directory", &P::directory,
               "what was learnt is kept here (relative: to the working folder); empty: $STATE_DIRECTORY (systemd), else "
@@ -93,8 +93,8 @@ struct DaemonConfig {
   StateConfig state;
   pipeline::ThreadParams threads;
   double stale_after_s = 1.0;
+  template <class P = DaemonConfig>
   static constexpr auto fields() {
-    using P = DaemonConfig;
     return std::tuple{
         field("source", &P::source, "where the samples come from"),
         field("sensor", &P::sensor, "the sensor: identity, factory calibration, limits"),

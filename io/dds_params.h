@@ -26,8 +26,8 @@ struct DdsParams {
   std::vector<std::string> discovery_server;
   SecurityParams security;
 
+  template <class P = DdsParams>
   static constexpr auto fields() {
-    using P = DdsParams;
     return std::tuple{
         field("domain", &P::domain, in_range(0, 232), "DDS domain; ROS 2 calls it ROS_DOMAIN_ID"),
         field("transport", &P::transport,

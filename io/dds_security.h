@@ -13,8 +13,8 @@ struct SecurityParams {
   std::string folder{};
   std::string identity_ca{}, certificate{}, private_key{}, governance{}, permissions_ca{}, permissions{};
 
+  template <class P = SecurityParams>
   static constexpr auto fields() {
-    using P = SecurityParams;
     return std::tuple{
         field("folder", &P::folder,
               "holds the six files, as scripts/dds_keys.sh and ROS 2's keystores name them; empty: every key below, or "

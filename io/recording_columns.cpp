@@ -4,7 +4,9 @@
 
 #include <algorithm>
 #include <cctype>
+#include <vector>
 
+#include "core/nearest.h"
 #include "core/units.h"
 
 namespace stillpoint::io {
@@ -82,6 +84,14 @@ std::optional<KnownColumn> known_column(std::string_view name) {
     }
   }
   return std::nullopt;
+}
+
+std::string meant_column(std::string_view name) {
+  std::vector<std::string> known;
+  for (const Family& family : kFamilies)
+    for (std::size_t part = 0; part < kColumnGroupInfo[family.group].size; ++part)
+      known.push_back(fmt::format("{}{}{}", family.stem, family.parts[part], family.unit));
+  return std::string(nearest(name, known));
 }
 
 std::string likely_mistake(std::string_view line) {

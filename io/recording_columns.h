@@ -58,6 +58,9 @@ struct KnownColumn {
 /// What a column name of the header means; nothing for a name that is not known.
 std::optional<KnownColumn> known_column(std::string_view name);
 
+/// The column that a name which is not known was meant to be; empty where none is near.
+std::string meant_column(std::string_view name);
+
 /// Why a line without known columns may be none: other separators, quotes, other line ends, capitals, missing units, or
 /// no text at all. Empty when nothing of the kind shows.
 std::string likely_mistake(std::string_view header_line);

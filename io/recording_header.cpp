@@ -4,6 +4,8 @@
 
 #include <algorithm>
 
+#include "io/quote.h"
+
 namespace stillpoint::io {
 namespace {
 
@@ -77,11 +79,21 @@ class HeaderReader {
     if (seen_[kTimeGroup] > 1) fault(1, "more than one time column; keep one");
     for (std::size_t g = kAccGroup; g < kColumnGroups; ++g)
       if (const auto& group = kColumnGroupInfo[g]; seen_[g] != 0 && seen_[g] != group.size)
-        fault(1, fmt::format("only {} of the {} columns {}; all or none", seen_[g], group.size, group.names));
+        fault(1,
+              fmt::format("only {} of the {} columns {}; all or none{}", seen_[g], group.size, group.names, nearly()));
     const bool no_sensor = seen_[kAccGroup] + seen_[kGyrGroup] + seen_[kMagGroup] == 0;
-    if (no_sensor) fault(1, "no sensor columns; expected acc_x_mps2, gyr_x_radps or mag_x_uT and their axes");
+    if (no_sensor)
+      fault(1, "no sensor columns; expected acc_x_mps2, gyr_x_radps or mag_x_uT and their axes" + nearly());
     if (line.find('\r') == std::string_view::npos && seen_[kTimeGroup] > 0 && !no_sensor) return;
     if (const std::string mistake = likely_mistake(line); !mistake.empty()) fault(1, mistake);
+  }
+
+  /// The first name that is not known and nearly one that is.
+  [[nodiscard]] std::string nearly() const {
+    for (const auto& name : out_.user_columns)
+      if (const std::string meant = meant_column(name); !meant.empty())
+        return fmt::format("; {} is not known; did you mean '{}'?", quote(name), meant);
+    return {};
   }
 
   const std::string& file_;

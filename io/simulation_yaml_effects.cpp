@@ -89,9 +89,13 @@ void check_effect(const YAML::Node& entry, const EffectConfig& e, YamlFaults& fa
       {"d_radps", "sd_s", "orientation_sd_rad", "position_sd_m"}, [](double x) { return x >= 0.0; }, "0 or greater");
   refuse_unless(
       {"eps_ppm"}, [](double x) { return x > -1e6; }, "above -1e6: there the clock stands still");
-  refuse_unless(
-      {"n"}, [](double n) { return n == std::floor(n) && n >= 1.0 && n <= 1e6; },
-      "a whole number of samples, 1 to 1e6");
+  if (e.id == "mag_hold")  // of a file that was resampled a value lasts 2.8 rows on average
+    refuse_unless(
+        {"n"}, [](double n) { return n >= 1.0 && n <= 1e6; }, "1 to 1e6 samples");
+  else  // below 0: rows that were put in
+    refuse_unless(
+        {"n"}, [](double n) { return n == std::floor(n) && n != 0.0 && std::abs(n) <= 1e6; },
+        "a whole number of samples, 1 to 1e6, or below 0 where samples were put in");
   refuse_unless(
       {"zeta"}, [](double z) { return z > 0.0 && z < 1.0; },
       "between 0 and 1: beyond 1 nothing resonates, use a low-pass");

@@ -26,8 +26,8 @@ struct StreamParams {
   ColumnMap columns;
   double acc_mps2_per_count = 0.0, gyr_radps_per_count = 0.0, mag_uT_per_count = 0.0;
   double rate_hz = 0.0;
+  template <class P = StreamParams>
   static constexpr auto fields() {
-    using P = StreamParams;
     return std::tuple{
         field("from", &P::from,
               "stdin, a serial line, FIFO or file by its path, tcp://HOST:PORT, tcp-listen://:PORT or udp://:PORT"),
@@ -49,15 +49,16 @@ struct Ros2Params {
   int domain = -1;
   bool reliable = false;
   bool use_covariance = true;
+  template <class P = Ros2Params>
   static constexpr auto fields() {
-    using P = Ros2Params;
     return std::tuple{
         field("imu_topic", &P::imu_topic, "sensor_msgs/Imu, as `ros2 topic list` names it; empty: none"),
         field("mag_topic", &P::mag_topic, "sensor_msgs/MagneticField; empty: none"),
         field("domain", &P::domain, in_range(-1, 232), "ROS_DOMAIN_ID of the driver; -1: that of 'dds'"),
         field("reliable", &P::reliable, "true: ask for what was lost again; a best-effort driver is then not heard"),
         field("use_covariance", &P::use_covariance,
-              "true: a covariance that begins with -1 says that the sensor is not there (REP-145)")};
+              "true: a covariance that begins with -1 says that the sensor is not there (REP-145), a positive one how "
+              "noisy it is at least")};
   }
 };
 
@@ -68,8 +69,8 @@ struct IioParams {
   double poll_hz = 100.0;
   double block_s = 0.005;
   std::string trigger;
+  template <class P = IioParams>
   static constexpr auto fields() {
-    using P = IioParams;
     return std::tuple{
         field("uri", &P::uri, "local: or ip:HOST[:PORT] of an iiod"),
         field("devices", &P::devices, "names as `stillpoint devices` lists them; empty: all with a motion sensor"),
@@ -83,8 +84,8 @@ struct IioParams {
 /// Where each sensor sits in the common sensor frame, applied as readings come in.
 struct SensorMounts {
   Mount accelerometer, gyroscope, magnetometer;
+  template <class P = SensorMounts>
   static constexpr auto fields() {
-    using P = SensorMounts;
     return std::tuple{field("accelerometer", &P::accelerometer, "\"+x -z +y\", three rows, or [w, x, y, z]"),
                       field("gyroscope", &P::gyroscope, "the same for the gyroscope"),
                       field("magnetometer", &P::magnetometer, "the same for the magnetometer")};
@@ -107,24 +108,24 @@ struct SourceConfig {
   IioParams iio;
   std::string place;  ///< "FILE:LINE:COLUMN" of what names the source, for messages about it
 
+  template <class P = SourceConfig>
   static constexpr auto fields() {
-    using P = SourceConfig;
     return std::tuple{
         field("kind", &P::kind, "recording, simulation, stream, ros2 or iio"),
         field("at_end", &P::at_end, "stop: the daemon ends with the source; wait: it stays and reports STALE"),
         field("mount", &P::mount, "how each sensor sits in the common sensor frame"),
         field("faults", &P::faults, "faults put in on purpose, to try out what a subscriber sees")};
   }
+  template <class P = SourceConfig>
   static constexpr auto replay_fields() {
-    using P = SourceConfig;
     return std::tuple{field("file", &P::file, "the recording (.csv) or the simulation (.yaml), relative to this file"),
                       field("speed", &P::speed, in_range(0.0, 1e6), "times real time; 0: as fast as possible"),
                       field("seed", &P::seed, in_range(0, 2e9), "of the simulation's noise"),
                       field("wait_for_file", &P::wait_for_file,
                             "true: a missing file is waited for; false: the daemon stops with 66")};
   }
+  template <class P = SourceConfig>
   static constexpr auto live_fields() {
-    using P = SourceConfig;
     return std::tuple{field("reopen_at_most_s", &P::reopen_at_most_s, in_range(0.1, 3600),
                             "a device that is gone is tried again after 0.1 s, then ever later, up to this")};
   }

@@ -13,8 +13,8 @@ struct TriadFactory {
   Vec3 bias = Vec3::Zero(), bias_per_K = Vec3::Zero(), bias_per_K2 = Vec3::Zero();
   Mat3 matrix = Mat3::Identity();
   double temp_ref_degC = 25.0, temp_min_degC = 25.0, temp_max_degC = 25.0;
+  template <class P = TriadFactory>
   static constexpr auto fields() {
-    using P = TriadFactory;
     constexpr Range kTemperature = in_range(-200.0, 500.0);
     return std::tuple{
         field("bias", &P::bias, "in the unit of the reading, at temp_ref_degC"),

@@ -70,27 +70,47 @@ StageStatus CompensateStage::process(const CalibratedSample& in, CalibratedSampl
     if (c_.mag_delay_s > 0.0 && in.holds(kGyr)) m = exp_quat(Vec3(-c_.mag_delay_s * vec(out.gyr_radps))) * m;
     out.mag_uT = array(m);
   }
+  if (c_.laws) take_out_laws(out);
   return StageStatus::kOk;
+}
+
+void CompensateStage::take_out_laws(CalibratedSample& sample) noexcept {
+  last_read_.temp_degC = sample.temp_degC;
+  if (sample.holds(kAcc)) last_read_.force = vec(sample.acc_mps2);
+  if (sample.holds(kGyr)) last_read_.rate = vec(sample.gyr_radps);
+  if (sample.holds(kMag)) last_read_.field = vec(sample.mag_uT);
+  const Momentary now = without_laws(c_.laws, last_read_);
+  if (sample.holds(kAcc)) sample.acc_mps2 = array(now.force);
+  if (sample.holds(kGyr)) sample.gyr_radps = array(now.rate);
+  if (sample.holds(kMag)) sample.mag_uT = array(now.field);
 }
 
 void CompensateStage::compensate(calib::Window& window, const CalibrationSnapshot& live) const noexcept {
   if (!c_.any) return;
+  const bool has_rate = (window.has & kGyr) != 0, has_field = (window.has & kMag) != 0;
   const double tau_K = window.temp_degC - c_.temp_ref_degC;
   const Vec3 u_acc = live.acc.apply(window.acc_mps2, window.temp_degC);
-  const Vec3 force = true_force(u_acc, tau_K);
-  window.acc_mps2 = without(window.acc_mps2, live.acc, u_acc - force);
-  if ((window.has & kGyr) != 0) {
-    const Vec3 u_gyr = live.gyr.apply(window.gyr_radps, window.temp_degC);
-    window.gyr_radps = without(window.gyr_radps, live.gyr, u_gyr - true_rate(u_gyr, force, tau_K));
-  }
-  if ((window.has & kMag) != 0) window.mag_uT = without(window.mag_uT, live.mag, tau_K * c_.mag_per_K);
+  const Vec3 u_gyr = has_rate ? live.gyr.apply(window.gyr_radps, window.temp_degC) : Vec3(Vec3::Zero());
+  const Vec3 u_mag = has_field ? live.mag.apply(window.mag_uT, window.temp_degC) : Vec3(Vec3::Zero());
+  Momentary now{.force = true_force(u_acc, tau_K), .temp_degC = window.temp_degC};
+  now.rate = true_rate(u_gyr, now.force, tau_K);
+  now.field = u_mag - tau_K * c_.mag_per_K;
+  now = without_laws(c_.laws, now);
+  window.acc_mps2 = without(window.acc_mps2, live.acc, u_acc - now.force);
+  if (has_rate) window.gyr_radps = without(window.gyr_radps, live.gyr, u_gyr - now.rate);
+  if (has_field) window.mag_uT = without(window.mag_uT, live.mag, u_mag - now.field);
 }
 
 void CompensateStage::compensate(calib::FieldTurn& turn, const CalibrationSnapshot& live) const noexcept {
   if (!c_.any) return;
-  const Vec3 delta = (turn.temp_degC - c_.temp_ref_degC) * c_.mag_per_K;
-  turn.before_uT = without(turn.before_uT, live.mag, delta);
-  turn.after_uT = without(turn.after_uT, live.mag, delta);
+  const Vec3 of_temperature = (turn.temp_degC - c_.temp_ref_degC) * c_.mag_per_K;
+  for (Array3* reading : {&turn.before_uT, &turn.after_uT}) {
+    const Vec3 u = live.mag.apply(*reading, turn.temp_degC);
+    Momentary now = last_read_;
+    now.temp_degC = turn.temp_degC;
+    now.field = u - of_temperature;
+    *reading = without(*reading, live.mag, u - without_laws(c_.laws, now).field);
+  }
 }
 
 }  // namespace stillpoint::pipeline

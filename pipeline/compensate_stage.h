@@ -6,6 +6,7 @@
 #include "calib_online/field_turns.h"
 #include "calib_online/window.h"
 #include "core/calibration.h"
+#include "pipeline/laws_taken_out.h"
 #include "pipeline/stage.h"
 
 namespace stillpoint::pipeline {
@@ -24,6 +25,7 @@ struct Compensation {
   Vec3 gyr_cubic = Vec3::Zero();  ///< (rad/s)^-2
   Vec3 mag_per_K = Vec3::Zero();  ///< uT/K
   double mag_delay_s = 0.0;       ///< the field is that of so long ago
+  TakenOutLaws laws{};            ///< outside the catalogue
   bool any = false;               ///< false: the stage passes samples through
 };
 
@@ -33,7 +35,7 @@ class CompensateStage {
   using Output = CalibratedSample;
   static constexpr std::string_view kName = "compensate";
 
-  explicit CompensateStage(const Compensation& compensation = {}) noexcept : c_(compensation) {}
+  explicit CompensateStage(const Compensation& compensation = {}) : c_(compensation) {}
   StageStatus process(const CalibratedSample& in, CalibratedSample& out) noexcept;
 
   /// The window's raw means without the effects that show at rest. `live` is the calibration in force.
@@ -46,7 +48,10 @@ class CompensateStage {
   [[nodiscard]] Vec3 true_rate(const Vec3& u, const Vec3& force, double tau_K) const noexcept;
   [[nodiscard]] Vec3 lever(const Vec3& rate, std::int64_t t_ns) noexcept;
 
+  void take_out_laws(CalibratedSample& sample) noexcept;
+
   Compensation c_;
+  Momentary last_read_;             ///< before the laws: bridges samples without one of the sensors
   Vec3 last_force_ = Vec3::Zero();  ///< at the sensor: bridges samples without an accelerometer reading
   Vec3 last_rate_ = Vec3::Zero();
   std::int64_t last_rate_ns_ = 0;

@@ -25,8 +25,8 @@ struct FaultParams {
   double garbage = 0.0;
   int seed = 1;
 
+  template <class P = FaultParams>
   static constexpr auto fields() {
-    using P = FaultParams;
     return std::tuple{
         field("drop", &P::drop, in_range(0, 1), "probability that a sample is lost"),
         field("duplicate", &P::duplicate, in_range(0, 1), "probability that a sample comes twice"),

@@ -1,14 +1,14 @@
 #include "pipeline/frame.h"
 
+#include "core/so3.h"
+
 namespace stillpoint::pipeline {
 
 fusion::AttitudeEstimate in_frame(const fusion::AttitudeEstimate& sensor_in_enu, const OutputFrame& frame) noexcept {
   fusion::AttitudeEstimate e = sensor_in_enu;
   const bool mounted = !frame.q_body_sensor.isApprox(Quat::Identity(), 0.0);
   if (mounted) {
-    const auto& q = sensor_in_enu.q_world_body;
-    const Quat q_world_body = (Quat(q[0], q[1], q[2], q[3]) * frame.q_body_sensor.conjugate()).normalized();
-    e.q_world_body = {q_world_body.w(), q_world_body.x(), q_world_body.y(), q_world_body.z()};
+    e.q_world_body = array(quat(sensor_in_enu.q_world_body) * frame.q_body_sensor.conjugate());
     const Mat3 R_body_sensor = frame.q_body_sensor.toRotationMatrix();
     e.rate_body_radps = array(Vec3(R_body_sensor * vec(e.rate_body_radps)));
     fusion::set_sigmas(e);

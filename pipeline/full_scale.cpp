@@ -11,11 +11,13 @@ constexpr double kRunUp = 0.01;    ///< part of the rail: what came in faster do
 constexpr double kStride = 50.0;   ///< lattice steps: a smooth motion creeps to its turn, it does not jump there
 constexpr double kAtRail = 0.999;  ///< rounding of the source, and what interpolation leaves of it
 constexpr double kBeyondRail = 1.003;
+/// Of the smallest full scale: readings that arithmetic has been done with differ by rounding, no lattice is as fine.
+constexpr double kRounding = 1e-6;
 
 }  // namespace
 
 bool FullScale::at_rail(Axis& axis, double reading, bool others_live) noexcept {
-  const double step = reading - axis.last;
+  const double step = std::abs(reading - axis.last) > kRounding * smallest_ ? reading - axis.last : 0.0;
   Rail& rail = axis.rails[reading > 0.0 ? 1 : 0];
   const double size = std::abs(reading);
   if (step == 0.0 && others_live) {
@@ -41,9 +43,10 @@ bool FullScale::at_rail(Axis& axis, double reading, bool others_live) noexcept {
 
 bool FullScale::at_rail(const Array3& reading) noexcept {
   bool any = false;
+  const auto moved = [&](std::size_t i) { return std::abs(reading[i] - last_[i]) > kRounding * smallest_; };
   for (std::size_t i = 0; i < 3; ++i) {
     const std::size_t j = (i + 1) % 3, k = (i + 2) % 3;
-    any |= at_rail(axes_[i], reading[i], reading[j] != last_[j] || reading[k] != last_[k]);
+    any |= at_rail(axes_[i], reading[i], moved(j) || moved(k));
   }
   last_ = reading;
   return any;

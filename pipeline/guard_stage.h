@@ -24,8 +24,8 @@ struct GuardParams {
   double clock_step_s = 3600.0;
   double late_s = 0.01;
 
+  template <class P = GuardParams>
   static constexpr auto fields() {
-    using P = GuardParams;
     return std::tuple{
         field("acc_limit_mps2", &P::acc_limit_mps2, positive(),
               "full scale; an axis at or beyond 99.9 % of it is clipped"),
@@ -54,6 +54,8 @@ struct GuardCounts {
   std::uint64_t clock_steps = 0;  ///< the sensor's clock was set
   std::int64_t longest_gap_ns = 0;
   std::array<std::uint64_t, kSampleParts> readings{};  ///< usable ones of each part
+
+  [[nodiscard]] std::uint64_t unused() const noexcept { return refused + late; }
 };
 
 /// A reading that may be used. Its time is the pipeline's own: the sensor's, shifted where the sensor's clock was set.

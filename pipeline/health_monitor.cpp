@@ -10,14 +10,10 @@
 namespace stillpoint::pipeline {
 namespace {
 
-constexpr double kStuck_s = 1.0;        ///< noise changes a living reading long before
 constexpr double kStuckTurn_rad = 1.0;  ///< a magnetometer may be slow; the body turning beneath it is not
 constexpr double kStuckAxis_s = 1.5;
-constexpr double kLongerThanEver = 5.0;  ///< a coarse sensor repeats itself at rest: it has before
-constexpr double kAlive = 0.5, kAlive_s = 5.0;
 /// Of the other two axes, while one repeats itself.
 constexpr double kAccMoved_mps2 = 4.0, kGyrMoved_radps = 1.0, kMagMoved_uT = 10.0;
-constexpr double kMean_s = 10.0, kNow_s = 1.0;
 constexpr double kClippedShare = 0.02;
 /// Mean norm of specific force: of a hand or a runner 8 to 13 m/s^2, shaken hard 25; in g it is 1, in mg 1000.
 constexpr double kSmallestForce_mps2 = 5.0, kLargestForce_mps2 = 60.0;
@@ -40,7 +36,7 @@ constexpr double kFast_s = 1.0, kSlow_s = 3.0;
 constexpr double kStrong = 1.35, kStrong_s = 1.0;
 constexpr double kApart = 0.64, kApart_s = 0.3;  ///< cosine: 50 deg, beyond any acceleration of a second
 constexpr double kWeak = 0.15;                   ///< of g: less has no direction
-constexpr double kContradiction_s = 40.0;
+constexpr double kContradiction_s = 20.0;
 constexpr int kWindows = 5;
 constexpr double kForget = 0.9;
 constexpr double kFaultyShare = 0.5;  ///< of the change that the gyroscope leaves unexplained
@@ -50,6 +46,8 @@ SensorHealth healthy() { return {}; }
 SensorHealth faulty(Fault fault, double evidence) { return {Health::kFaulty, fault, 0, evidence}; }
 SensorHealth suspect(Fault fault, double evidence) { return {Health::kSuspect, fault, 0, evidence}; }
 
+SensorHealth graver(const SensorHealth& a, const SensorHealth& b) { return a.state < b.state ? b : a; }
+
 /// One more state: the time with which it began is kept while it lasts.
 void follow(SensorHealth& now, SensorHealth found, std::int64_t t_ns) {
   found.since_ns = found.state == now.state && found.fault == now.fault ? now.since_ns : t_ns;
@@ -58,46 +56,41 @@ void follow(SensorHealth& now, SensorHealth found, std::int64_t t_ns) {
 
 }  // namespace
 
-void HealthMonitor::FadingMean::add(double x, double dt_s, double longest_s) noexcept {
-  over_s = std::min(over_s + dt_s, longest_s);
-  if (over_s > 0.0) value += dt_s / over_s * (x - value);
-}
-
-void HealthMonitor::Readings::note(const Array3& reading, bool clipped_now, double dt_s) noexcept {
-  const bool same = heard && reading == last;
-  if (!same) longest_same_s = std::max(longest_same_s, same_s);
-  same_s = same ? same_s + dt_s : 0.0;
-  for (std::size_t k = 0; k < 3; ++k) {
-    Axis& a = axes[k];
-    if (heard && reading[k] == last[k]) {
-      a.same_s += dt_s;
-      for (const std::size_t j : {(k + 1) % 3, (k + 2) % 3})
-        a.others_moved = std::max(a.others_moved, std::abs(reading[j] - a.others[j]));
-    } else {
-      const double silent_s = std::min(a.same_s, kAlive_s);
-      a.alive += (dt_s * (1.0 - a.alive) - silent_s * a.alive) / kAlive_s;
-      a = {0.0, std::clamp(a.alive, 0.0, 1.0), reading, 0.0};
+void HealthMonitor::hear(std::span<const Finding> findings) noexcept {
+  found_ = {};
+  for (const Finding& f : findings) {
+    if (!f.stands) continue;
+    switch (f.oddity) {
+      case Oddity::kAccScale:
+        found_.acc = faulty(Fault::kUnits, 1.0);
+        break;
+      case Oddity::kGyrScale:
+      case Oddity::kGyrSilent:
+      case Oddity::kTimeScale:  // a turn is rate times time
+        found_.gyr = faulty(Fault::kUnits, 1.0);
+        break;
+      case Oddity::kMagScale:
+        found_.mag = faulty(Fault::kUnits, 1.0);
+        break;
+      case Oddity::kTempScale:
+        found_.temp = faulty(Fault::kUnits, 1.0);
+        break;
+      case Oddity::kTooSlow:
+        found_.gyr = graver(found_.gyr, suspect(Fault::kLate, 1.0));
+        break;
+      case Oddity::kRepeated:
+        found_.acc = graver(found_.acc, suspect(Fault::kRepeated, 1.0));
+        found_.gyr = graver(found_.gyr, suspect(Fault::kRepeated, 1.0));
+        break;
+      case Oddity::kTempDead:
+        found_.temp = graver(found_.temp, suspect(Fault::kStuck, 1.0));
+        break;
+      case Oddity::kTimeStopped:  // the guard's concern: it was so once
+      case Oddity::kTimeBackward:
+      case Oddity::kTimeJumped:
+        break;
     }
   }
-  zero_s = vec(reading).isZero(0.0) ? zero_s + dt_s : 0.0;
-  norm.add(vec(reading).norm(), dt_s, kMean_s);
-  norm_now.add(vec(reading).norm(), dt_s, kNow_s);
-  clipped += std::min(1.0, dt_s) * ((clipped_now ? 1.0 : 0.0) - clipped);
-  last = reading;
-  heard = true;
-}
-
-/// How long one axis has repeated itself while the others moved by so much; 0: none has.
-double HealthMonitor::Readings::stuck_axis_s(double moved) const noexcept {
-  double longest_s = 0.0;
-  for (const Axis& a : axes)
-    if (a.alive > kAlive && a.others_moved > moved) longest_s = std::max(longest_s, a.same_s);
-  return longest_s;
-}
-
-/// All three repeat themselves for longer than this sensor ever did.
-bool HealthMonitor::Readings::hung() const noexcept {
-  return heard && norm.over_s >= kMean_s && same_s > kStuck_s && same_s > kLongerThanEver * longest_same_s;
 }
 
 void HealthMonitor::follow_gravity(const CalibratedSample& sample, double dt_s) noexcept {
@@ -107,8 +100,8 @@ void HealthMonitor::follow_gravity(const CalibratedSample& sample, double dt_s) 
     t.mean_s = t.since_s = 0.0;
     return;
   }
-  const Quat turned = renormalized(Quat(t.q[0], t.q[1], t.q[2], t.q[3]) * exp_quat(dt_s * vec(sample.gyr_radps)));
-  t.q = {turned.w(), turned.x(), turned.y(), turned.z()};
+  t.q = array(quat(t.q) * exp_quat(dt_s * vec(sample.gyr_radps)));
+  const Quat turned = quat(t.q);
   t.since_s += dt_s;
   if (t.since_s > kWindow_s - kEnds_s && sample.holds(kAcc)) {
     // In the frame of the window's start, so that turning within the mean does not blur it.
@@ -164,7 +157,7 @@ void HealthMonitor::follow_pull(const CalibratedSample& sample, const Array3& ra
   if (p.apart_s > kApart_s) p.contradicted_s = kContradiction_s;
 }
 
-SensorHealth HealthMonitor::judge_acc(const GuardedSample& g) const noexcept {
+SensorHealth HealthMonitor::judge_acc(const GuardedSample& g, bool offset_jumped) const noexcept {
   if ((g.absent & kAcc) != 0 || !acc_.heard) return {Health::kAbsent, Fault::kAbsent};
   if (acc_.zero_s > kStuck_s) return faulty(Fault::kZero, acc_.zero_s / kStuck_s);
   if (acc_.same_s > kStuck_s && gyr_.same_s < kStuck_s) return faulty(Fault::kStuck, acc_.same_s / kStuck_s);
@@ -179,8 +172,10 @@ SensorHealth HealthMonitor::judge_acc(const GuardedSample& g) const noexcept {
   const double odd = std::abs(rest_norm_ / kStandardGravity_mps2 - 1.0);
   if (rest_s_ >= kRest_s && odd > kWrongForce) return faulty(Fault::kScale, odd / kWrongForce);
   if (pull_.strong_s > kStrong_s) return faulty(Fault::kScale, pull_.strong_s / kStrong_s);
+  if (const double over = acc_noise_.excess(); over > 1.0) return suspect(Fault::kNoisy, over);
   if (acc_.spikes > kSpikes) return suspect(Fault::kSpikes, acc_.spikes / kSpikes);
   if (acc_.clipped > kClippedShare) return suspect(Fault::kClipped, acc_.clipped / kClippedShare);
+  if (offset_jumped) return suspect(Fault::kOffset, 1.0);
   return healthy();
 }
 
@@ -201,6 +196,7 @@ SensorHealth HealthMonitor::judge_gyr(const GuardedSample& g, bool offset_jumped
     if (left > kFaultyShare) return faulty(Fault::kAxes, left / kFaultyShare);
   }
   if (pull_.contradicted_s > 0.0) return faulty(Fault::kInconsistent, 1.0 + pull_.contradicted_s / kContradiction_s);
+  if (const double over = gyr_noise_.excess(); over > 1.0) return suspect(Fault::kNoisy, over);
   if (gyr_.spikes > kSpikes) return suspect(Fault::kSpikes, gyr_.spikes / kSpikes);
   if (gyr_.clipped > kClippedShare) return suspect(Fault::kClipped, gyr_.clipped / kClippedShare);
   if (offset_jumped) return suspect(Fault::kOffset, 1.0);
@@ -228,6 +224,10 @@ SensorsHealth HealthMonitor::observe(const GuardedSample& guarded, const Calibra
   if (s.holds(kAcc)) acc_.note(s.acc_mps2, (guarded.clipped & kAcc) != 0, dt_s);
   if (s.holds(kGyr)) gyr_.note(s.gyr_radps, (guarded.clipped & kGyr) != 0, dt_s);
   if (s.holds(kMag)) mag_.note(s.mag_uT, (guarded.clipped & kMag) != 0, dt_s);
+  if (guarded.after_gap)
+    for (NoiseWatch* watch : {&acc_noise_, &gyr_noise_}) watch->interrupt();
+  if (s.holds(kAcc)) acc_noise_.note(s.acc_mps2, dt_s, !estimate.at_rest);
+  if (s.holds(kGyr)) gyr_noise_.note(s.gyr_radps, dt_s, !estimate.at_rest);
   for (const auto& [part, readings] : {std::pair{kAcc, &acc_}, std::pair{kGyr, &gyr_}, std::pair{kMag, &mag_}})
     readings->spikes += ((guarded.spikes & part) != 0 ? 1.0 : 0.0) - std::min(1.0, dt_s / kMean_s) * readings->spikes;
   rest_s_ = estimate.at_rest ? std::min(rest_s_ + dt_s, kRest_s) : 0.0;
@@ -237,10 +237,11 @@ SensorsHealth HealthMonitor::observe(const GuardedSample& guarded, const Calibra
   temp_heard_ |= s.holds(kTemp);
   follow_gravity(corrected, dt_s);
   follow_pull(corrected, estimate.rate_body_radps, dt_s);
-  follow(health_.acc, judge_acc(guarded), s.t_ns);
-  follow(health_.gyr, judge_gyr(guarded, estimate.gyro_offset_jumped), s.t_ns);
-  follow(health_.mag, judge_mag(guarded, estimate.heading), s.t_ns);
-  follow(health_.temp, temp_heard_ ? healthy() : SensorHealth{Health::kAbsent, Fault::kAbsent}, s.t_ns);
+  if (estimate.denied) pull_.contradicted_s = kContradiction_s;
+  follow(health_.acc, graver(judge_acc(guarded, estimate.acc_offset_jumped), found_.acc), s.t_ns);
+  follow(health_.gyr, graver(judge_gyr(guarded, estimate.gyro_offset_jumped), found_.gyr), s.t_ns);
+  follow(health_.mag, graver(judge_mag(guarded, estimate.heading), found_.mag), s.t_ns);
+  follow(health_.temp, temp_heard_ ? found_.temp : SensorHealth{Health::kAbsent, Fault::kAbsent}, s.t_ns);
   return health_;
 }
 

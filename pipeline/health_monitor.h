@@ -4,14 +4,18 @@
 #include <type_traits>
 
 #include "core/health.h"
+#include "core/plausibility.h"
 #include "fusion/attitude_estimate.h"
 #include "pipeline/guard_stage.h"
+#include "pipeline/noise_watch.h"
 
 namespace stillpoint::pipeline {
 
 /// Fed once a sample on the sensor thread; plain state, no allocation.
 class HealthMonitor {
  public:
+  /// What stands of what was found so far.
+  void hear(std::span<const Finding> findings) noexcept;
   /// The sample as the stages use it, and what the filter made of it.
   SensorsHealth observe(const GuardedSample& guarded, const CalibratedSample& corrected,
                         const fusion::AttitudeEstimate& estimate) noexcept;
@@ -22,6 +26,11 @@ class HealthMonitor {
   [[nodiscard]] static bool unfounded(const SensorsHealth& health) noexcept;
 
  private:
+  static constexpr double kStuck_s = 1.0;  ///< noise changes a living reading long before
+  static constexpr double kMean_s = 10.0, kNow_s = 1.0;
+  /// Of a sound part that the data sheet calls noisy: 10 mg, 0.2 deg/s.
+  static constexpr double kLeastNoise_mps2 = 0.05, kLeastNoise_radps = 0.003;
+
   struct Axis {
     double same_s = 0.0;
     double alive = 0.0;  ///< share of the last seconds before this run in which it changed
@@ -50,9 +59,9 @@ class HealthMonitor {
   struct Turns {
     Array3 before{}, mean{};
     double mean_s = 0.0, since_s = 0.0;
-    std::array<double, 4> q{1, 0, 0, 0};  ///< body now to body at the start
-    double unseen_s = 0.0;                ///< since a window that told something
-    double with = 0.0, without = 0.0;     ///< squared change of gravity, with and without that turn
+    Array4 q{1, 0, 0, 0};              ///< body now to body at the start
+    double unseen_s = 0.0;             ///< since a window that told something
+    double with = 0.0, without = 0.0;  ///< squared change of gravity, with and without that turn
     int windows = 0;
     bool begun = false;
   };
@@ -66,13 +75,15 @@ class HealthMonitor {
   void follow_gravity(const CalibratedSample& sample, double dt_s) noexcept;
   void follow_pull(const CalibratedSample& sample, const Array3& rate_radps, double dt_s) noexcept;
   [[nodiscard]] bool bus_hangs() const noexcept { return acc_.hung() && gyr_.hung(); }
-  [[nodiscard]] SensorHealth judge_acc(const GuardedSample& g) const noexcept;
+  [[nodiscard]] SensorHealth judge_acc(const GuardedSample& g, bool offset_jumped) const noexcept;
   [[nodiscard]] SensorHealth judge_gyr(const GuardedSample& g, bool offset_jumped) const noexcept;
   [[nodiscard]] SensorHealth judge_mag(const GuardedSample& g, HeadingReference heading) const noexcept;
 
   Readings acc_, gyr_, mag_;
+  NoiseWatch acc_noise_{kLeastNoise_mps2}, gyr_noise_{kLeastNoise_radps};
   Turns turns_;
   Pull pull_;
+  SensorsHealth found_;  ///< by the plausibility of the readings
   SensorsHealth health_;
   double rest_s_ = 0.0, rest_norm_ = 0.0;  ///< of the specific force over the last second of rest
   double mag_same_turn_rad_ = 0.0;         ///< how far the body has turned while the magnetometer repeated itself

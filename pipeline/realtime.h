@@ -18,8 +18,8 @@ struct ThreadParams {
   double rehearse_ahead_s = 120e-6;
   int cpu_latency_us = -1;
 
+  template <class P = ThreadParams>
   static constexpr auto fields() {
-    using P = ThreadParams;
     return std::tuple{
         field("sensor_core", &P::sensor_core, in_range(-1, 1023), "core that the sensor thread is pinned to; -1: any"),
         field("calibration_core", &P::calibration_core, in_range(-1, 1023), "the same for the calibration thread"),

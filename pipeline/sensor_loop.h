@@ -34,6 +34,8 @@ struct SensorReport {
   std::array<double, kSampleParts> usual_steps_s{};  ///< between readings of each part
   std::uint64_t rounds = 0;                          ///< grows as long as the sensor thread goes on, samples or not
   calib::Refusal last_refusal = calib::Refusal::kNone;
+  std::array<Finding, kOddities> findings{};
+  std::size_t found = 0;  ///< of these
 };
 
 /// Everything that the two threads share.
@@ -90,6 +92,8 @@ class SensorLoop {
 
   void handle() noexcept {
     const std::int64_t start_ns = monotonic_ns();
+    if (counts_.state == SensorState::kGone) stages_.source_returned();
+    stages_.hear(arrival_.noise);
     const bool usable = stages_.process(arrival_.sample, result_, link_) != StageStatus::kDrop;
     const std::int64_t now_ns = monotonic_ns();
     shared_.processing.add(now_ns - start_ns);
@@ -124,6 +128,9 @@ class SensorLoop {
     counts_.usual_step_s = stages_.guard().usual_step_s();
     counts_.usual_steps_s = stages_.guard().usual_steps_s();
     counts_.last_refusal = stages_.last_refusal();
+    const auto findings = stages_.findings();
+    counts_.found = findings.size();
+    std::copy(findings.begin(), findings.end(), counts_.findings.begin());
     shared_.report.store(counts_);
     next_report_ns_ = monotonic_ns() + kReportPeriod_ns;
   }

@@ -11,10 +11,6 @@ namespace {
 constexpr double kNoHeading_rad2 = 1e6;
 constexpr double kMuchLessSure = 4.0;  ///< in the mean variance: deviations twice as large
 
-Quat quat_of(const fusion::AttitudeEstimate& e) {
-  return {e.q_world_body[0], e.q_world_body[1], e.q_world_body[2], e.q_world_body[3]};
-}
-
 /// As a clock that runs backward from `last_ns` would see it: forces and fields stay, turns are the other way round.
 /// A rate holds from the sample before to its own; so the one that led to the row seen `before`, which is the later.
 CalibratedSample reversed(const CalibratedSample& sample, const CalibratedSample& before, std::int64_t last_ns) {
@@ -54,7 +50,7 @@ fusion::AttitudeEstimate fused(const fusion::AttitudeEstimate& forward,
   fusion::AttitudeEstimate out = forward;
   const Mat3 P = mat(forward.covariance_world_rad2);
   Mat3 Q = mat(backward.covariance_world_rad2);
-  Quat turn = quat_of(backward) * quat_of(forward).conjugate();
+  Quat turn = quat(backward.q_world_body) * quat(forward.q_world_body).conjugate();
   if (backward.heading == HeadingReference::kRelative) {
     turn = Quat(Eigen::AngleAxisd(-2.0 * std::atan2(turn.z(), turn.w()), Vec3::UnitZ())) * turn;
     Q(2, 2) += kNoHeading_rad2;
@@ -62,8 +58,7 @@ fusion::AttitudeEstimate fused(const fusion::AttitudeEstimate& forward,
   if (Q(2, 2) < P(2, 2)) out.heading = backward.heading;
   const Vec3 apart = log_quat(turn);
   const Mat3 gain = P * (P + Q).inverse();
-  const Quat q = (exp_quat(gain * apart) * quat_of(forward)).normalized();
-  out.q_world_body = {q.w(), q.x(), q.y(), q.z()};
+  out.q_world_body = array(exp_quat(gain * apart) * quat(forward.q_world_body));
   // Both stand on one calibration, one field and one end of the recording, so they are no two witnesses: covariance
   // intersection with equal weights, and neither alone where that is less.
   Mat3 told = 2.0 * (P - gain * P);

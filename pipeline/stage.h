@@ -32,11 +32,18 @@ enum class SourceState : std::uint8_t {
   kEnd,      ///< there will be no more
 };
 
+/// What a driver says of the white noise of one reading: standard deviations, 0 where it says nothing.
+struct StatedNoise {
+  double acc_mps2 = 0.0, gyr_radps = 0.0, mag_uT = 0.0;
+  bool operator==(const StatedNoise&) const = default;
+};
+
 /// One reading on its way in. `arrival_ns` is CLOCK_MONOTONIC when the reading reached this machine; a source that
 /// paces itself gives the instant at which the reading was due, so that a late wake-up counts as latency.
 struct Arrival {
   RawSample sample;
   std::int64_t arrival_ns = 0;
+  StatedNoise noise;  ///< of each sensor's latest reading, not of this one alone
 };
 
 /// `next` blocks in the kernel or sleeps until a reading is there, at most some 100 ms, so that a stop is noticed.

@@ -64,7 +64,19 @@ CalibratedSample believed(const CalibratedSample& sample, const SensorsHealth& h
   return b;
 }
 
+/// A driver knows its sensor, but nothing of what shakes it: its word makes the filter less sure, never surer.
+fusion::WhiteNoise Stages::noise() const noexcept {
+  const fusion::AttitudeFilterParams& configured = params_.attitude;
+  const auto steps_s = guard_.usual_steps_s();
+  const auto density = [&steps_s](double sd, SamplePart part) { return sd * std::sqrt(steps_s[part_index(part)]); };
+  return {std::max(configured.gyr_noise_radps_rtHz, density(stated_.gyr_radps, kGyr)),
+          std::max(configured.acc_noise_mps2_rtHz, density(stated_.acc_mps2, kAcc)),
+          std::max(configured.mag_noise_uT, stated_.mag_uT)};
+}
+
 StageStatus Stages::estimate(const GuardedSample& guarded, Processed& out) noexcept {
+  health_.hear(plausibility_.findings());
+  filter_.use_noise(noise());
   fusion::AttitudeEstimate estimate = filter_.step(believed(out.sample, health_.now()), rest_.at_rest());
   if (estimate.refused) return StageStatus::kDrop;
   out.health = health_.observe(guarded, out.sample, estimate);

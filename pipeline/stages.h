@@ -6,6 +6,7 @@
 #include "calib_online/field_turns.h"
 #include "calib_online/rest_detector.h"
 #include "core/attitude_message.h"
+#include "core/plausibility.h"
 #include "fusion/attitude_filter.h"
 #include "pipeline/answer_schedule.h"
 #include "pipeline/assemble_stage.h"
@@ -78,7 +79,11 @@ class Stages {
   template <CalibrationLink Link>
   StageStatus process(const RawSample& raw, Processed& out, Link& link) noexcept {
     GuardedSample row, guarded;
-    if (guard_.process(raw, row) == StageStatus::kDrop) return StageStatus::kDrop;
+    const StageStatus guarded_as = guard_.process(raw, row);
+    RawSample as_it_came = raw;  // its times as well, but no broken transfers: what is left shows the unit
+    as_it_came.has = static_cast<std::uint8_t>(raw.has & ~row.spikes);
+    plausibility_.push(as_it_came);
+    if (guarded_as == StageStatus::kDrop) return StageStatus::kDrop;
     find_rails(row);
     if (assemble_.process(row, guarded) == StageStatus::kDrop) return StageStatus::kDrop;
     take_answer(guarded.sample.t_ns, link);
@@ -92,6 +97,12 @@ class Stages {
     return estimate(guarded, out);
   }
 
+  /// The noise of the readings from here on, where the driver states one.
+  void hear(const StatedNoise& noise) noexcept { stated_ = noise; }
+  /// The device was gone: another one may be there now.
+  void source_returned() noexcept { plausibility_.restart(); }
+
+  [[nodiscard]] std::span<const Finding> findings() const noexcept { return plausibility_.findings(); }
   [[nodiscard]] const GuardStage& guard() const noexcept { return guard_; }
   [[nodiscard]] const StagesCounts& counts() const noexcept { return counts_; }
   [[nodiscard]] const CalibrationSnapshot& live() const noexcept { return correct_.live(); }
@@ -161,9 +172,12 @@ class Stages {
     schedule_.submitted(due_ns);
   }
 
+  [[nodiscard]] fusion::WhiteNoise noise() const noexcept;
   StageStatus estimate(const GuardedSample& guarded, Processed& out) noexcept;
 
   StagesParams params_;
+  StatedNoise stated_;
+  PlausibilityCheck plausibility_;
   GuardStage guard_;
   AssembleStage assemble_;
   AnswerSchedule schedule_;

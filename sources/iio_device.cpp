@@ -13,6 +13,7 @@ namespace stillpoint::sources {
 namespace {
 
 constexpr unsigned kTimeout_ms = 2000;
+constexpr double kKept_s = 1.0;  ///< so long the kernel keeps what nobody fetches; what overflows it does not tell
 
 std::string reason(int code) {
   std::string text = std::strerror(code);
@@ -90,6 +91,8 @@ IioDevice::IioDevice(iio_device* device) : device_(device) {
   can_stream_ = !channels_.empty() &&
                 std::all_of(channels_.begin(), channels_.end(), [](const Channel& c) { return decodable(c.handle); });
 }
+
+std::string IioDevice::id() const { return iio_device_get_id(device_); }
 
 void IioDevice::add(iio_channel* channel) {
   if (iio_channel_is_output(channel)) return;
@@ -173,7 +176,9 @@ std::string IioDevice::start(const io::IioParams& params) {
   }
   for (const Channel& c : channels_) iio_channel_enable(c.handle);
   if (timestamp_ != nullptr) iio_channel_enable(timestamp_);
-  const double block = std::max(1.0, std::ceil(rate_hz() * params.block_s));
+  const double rate = rate_hz(), block = std::max(1.0, std::ceil(rate * params.block_s));
+  (void)iio_device_set_kernel_buffers_count(device_,
+                                            static_cast<unsigned>(std::ceil(kKept_s * std::max(rate, 100.0) / block)));
   buffer_.reset(iio_device_create_buffer(device_, static_cast<std::size_t>(block), false));
   if (buffer_ == nullptr) return fmt::format("{} cannot be streamed: {}", name_, reason(errno));
   return {};

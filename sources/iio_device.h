@@ -32,6 +32,8 @@ class IioDevice {
   [[nodiscard]] static std::vector<IioDevice> all(iio_context& context);
 
   [[nodiscard]] const std::string& name() const noexcept { return name_; }
+  /// "iio:device0": no two of a context have the same, as they may the same name.
+  [[nodiscard]] std::string id() const;
   [[nodiscard]] std::uint8_t parts() const noexcept { return parts_; }
   /// Samples can be streamed by the kernel; otherwise the values are read one by one.
   [[nodiscard]] bool can_stream() const noexcept { return can_stream_; }

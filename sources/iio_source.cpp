@@ -24,6 +24,7 @@ namespace {
 constexpr std::int64_t kPause_ns = 20'000'000;
 constexpr std::int64_t kSameClock_ns = 2'000'000'000;
 constexpr double kStalePeriods = 3.0;
+constexpr std::int64_t kFirstLook_ns = 250'000'000, kLooks_ns = 5'000'000'000;  ///< for devices that come later
 
 /// The devices' clock on ours. All devices of a context share one clock.
 class ClockBridge {
@@ -45,16 +46,16 @@ class ClockBridge {
   std::optional<std::int64_t> offset_ns_;
 };
 
-/// One device and its thread.
+/// One device and its thread. `start_ns`: when it was asked to begin.
 class Worker {
  public:
-  Worker(IioDevice device, const io::IioParams& params, ClockBridge& clock, Inbox& inbox)
+  Worker(IioDevice device, std::int64_t start_ns, const io::IioParams& params, ClockBridge& clock, Inbox& inbox)
       : device_(std::move(device)),
         clock_(clock),
         inbox_(inbox),
         period_ns_(1e9 / (device_.streams() ? std::max(1.0, device_.rate_hz()) : params.poll_hz)),
         stamps_(1e9 / period_ns_),
-        start_ns_(monotonic_ns()),
+        start_ns_(start_ns),
         thread_([this] { run(); }) {}
   ~Worker() {
     stop_ = true;
@@ -65,6 +66,8 @@ class Worker {
   Worker& operator=(const Worker&) = delete;
   /// Why it ended; 0 while it runs.
   [[nodiscard]] int ended() const noexcept { return ended_.load(); }
+  [[nodiscard]] bool has_given() const noexcept { return given_.load(); }
+  [[nodiscard]] std::string id() const { return device_.id(); }
 
  private:
   void run() {
@@ -95,6 +98,7 @@ class Worker {
       // What lay in the kernel's buffer from an earlier run is no reading of this one.
       if (static_cast<double>(t_ns - start_ns_) < -kStalePeriods * period_ns_) continue;
       inbox_.put(reading, arrival_ns);
+      given_ = true;
     }
   }
 
@@ -106,12 +110,65 @@ class Worker {
   std::int64_t start_ns_;
   std::atomic<bool> stop_{false};
   std::atomic<int> ended_{0};
+  std::atomic<bool> given_{false};
   std::thread thread_;
 };
 
 bool is_wanted(const IioDevice& device, const std::vector<std::string>& names) {
   return names.empty() || std::find(names.begin(), names.end(), device.name()) != names.end();
 }
+
+/// The devices that are read. A driver makes one after the other: who looks once sees some of them.
+class Served {
+ public:
+  Served(const io::IioParams& params, Inbox& inbox) : params_(params), inbox_(inbox) {}
+
+  /// Begins to read what is wanted and was not there before. In words what stands in the way; empty: nothing.
+  std::string look() {
+    auto context = open_iio(params_.uri);
+    if (!context) return context.error().message;
+    std::string polled;
+    std::vector<std::string> others;
+    bool any = false;
+    for (IioDevice& device : IioDevice::all(**context)) {
+      if (!is_wanted(device, params_.devices)) others.push_back(device.name());
+      if (!is_wanted(device, params_.devices) || is_served(device)) continue;
+      const std::int64_t start_ns = monotonic_ns();
+      if (const std::string why = device.start(params_); !why.empty()) polled = why + "; polled";
+      workers_.emplace_back(std::move(device), start_ns, params_, clock_, inbox_);
+      any = true;
+    }
+    if (any) contexts_.push_back(std::move(*context));
+    if (!workers_.empty()) return polled;
+    return fmt::format("IIO {}: no motion sensor{}; `stillpoint devices` lists what is there", params_.uri,
+                       others.empty() ? "" : fmt::format(" of that name, but {}", fmt::join(others, ", ")));
+  }
+  [[nodiscard]] bool none() const noexcept { return workers_.empty(); }
+  /// Whether nothing more can come: every name has its device.
+  [[nodiscard]] bool complete() const noexcept {
+    return !params_.devices.empty() && workers_.size() >= params_.devices.size();
+  }
+  [[nodiscard]] bool has_given() const noexcept {
+    return std::any_of(workers_.begin(), workers_.end(), [](const Worker& w) { return w.has_given(); });
+  }
+  /// Why a device is read no more; 0: all are.
+  [[nodiscard]] int ended() const noexcept {
+    for (const Worker& worker : workers_)
+      if (const int code = worker.ended(); code != 0) return code;
+    return 0;
+  }
+
+ private:
+  [[nodiscard]] bool is_served(const IioDevice& device) const {
+    return std::any_of(workers_.begin(), workers_.end(), [&](const Worker& w) { return w.id() == device.id(); });
+  }
+
+  const io::IioParams& params_;
+  Inbox& inbox_;
+  ClockBridge clock_;
+  std::vector<IioContext> contexts_;
+  std::list<Worker> workers_;  // end before their contexts do
+};
 
 }  // namespace
 
@@ -149,28 +206,23 @@ struct IioSource::Impl {
 
   /// In words why it ended.
   std::string run_until_lost() {
-    auto context = open_iio(params.uri);
-    if (!context) return context.error().message;
-    ClockBridge clock;
-    std::list<Worker> workers;  // ends before the context does
-    std::vector<std::string> others;
-    for (IioDevice& device : IioDevice::all(**context)) {
-      if (!is_wanted(device, params.devices)) {
-        others.push_back(device.name());
-        continue;
-      }
-      if (const std::string polled = device.start(params); !polled.empty()) error.store(ShortText(polled + "; polled"));
-      workers.emplace_back(std::move(device), params, clock, inbox);
-    }
-    if (workers.empty())
-      return fmt::format("IIO {}: no motion sensor{}; `stillpoint devices` lists what is there", params.uri,
-                         others.empty() ? "" : fmt::format(" of that name, but {}", fmt::join(others, ", ")));
+    Served served(params, inbox);
+    const std::string why = served.look();
+    if (served.none()) return why;
+    if (!why.empty()) error.store(ShortText(why));
     ++opened;
     running = true;
+    std::int64_t next_look_ns = monotonic_ns() + kFirstLook_ns, look_after_ns = kFirstLook_ns;
     while (!stop) {
-      for (const Worker& worker : workers)
-        if (const int code = worker.ended(); code != 0)
-          return fmt::format("IIO {}: {}", params.uri, std::strerror(-code));
+      if (const int code = served.ended(); code != 0) {
+        if (served.has_given()) reopening.works();
+        return fmt::format("IIO {}: {}", params.uri, std::strerror(-code));
+      }
+      if (!served.complete() && monotonic_ns() >= next_look_ns) {
+        if (const std::string more = served.look(); !more.empty()) error.store(ShortText(more));
+        look_after_ns = std::min(2 * look_after_ns, kLooks_ns);
+        next_look_ns = monotonic_ns() + look_after_ns;
+      }
       pipeline::sleep_until_ns(monotonic_ns() + kPause_ns);
     }
     return "ended";

@@ -1,5 +1,7 @@
 #include "sources/line.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <charconv>
@@ -171,21 +173,46 @@ Piece LineFormat::parse_csv(std::string_view line, Reading& out) const noexcept 
   return to_reading(row.numbers, row.time_unit_ns, out) ? Piece::kReading : Piece::kIgnored;
 }
 
+/// "acc_g": [x, y, z] comes as acc_g.0 and so on, and "acc_g": {"x": ...} as acc_g.x.
+std::optional<Field> LineFormat::field_of_json(std::string_view name) const noexcept {
+  if (const auto field = field_named(name)) return field;
+  std::array<char, 32> axis_name{};
+  const std::size_t stem = name.find('_'), dot = name.rfind('.');
+  if (stem == std::string_view::npos || dot == std::string_view::npos || dot + 2 != name.size() || dot < stem)
+    return {};
+  const std::size_t axis = std::string_view("012xyz").find(name[dot + 1]);
+  if (axis == std::string_view::npos || dot + 2 > axis_name.size()) return {};
+  char* end = std::copy_n(name.data(), stem + 1, axis_name.data());
+  *end++ = "xyz"[axis % 3];
+  end =
+      std::copy(name.begin() + static_cast<std::ptrdiff_t>(stem), name.begin() + static_cast<std::ptrdiff_t>(dot), end);
+  return field_named({axis_name.data(), static_cast<std::size_t>(end - axis_name.data())});
+}
+
+std::string LineFormat::unknown_names(std::string_view line) const {
+  if (!by_name_.empty()) return {};
+  std::string names;
+  const auto add = [&names](std::string_view name) {
+    const std::string meant = io::meant_column(name);
+    names += fmt::format("{}{}{}", names.empty() ? "" : ", ", name, meant.empty() ? "" : " (" + meant + "?)");
+  };
+  line = io::strip(line);
+  if (!line.empty() && line[0] == '{') {
+    const bool whole = for_each_number(line, [&](std::string_view name, double) {
+      if (!field_of_json(name)) add(name);
+    });
+    return whole ? names : std::string();
+  }
+  std::string_view name;
+  for (Fields fields(line); fields.next(name);)
+    if (!io::known_column(name)) add(name);
+  return names;
+}
+
 Piece LineFormat::parse_json(std::string_view line, Reading& out) const noexcept {
   Row row;
   const bool whole = for_each_number(line, [&](std::string_view name, double value) {
-    if (const auto field = field_named(name)) return row.put(*field, value);
-    // "acc_g": [x, y, z] comes as acc_g.0 and so on.
-    std::array<char, 32> axis_name{};
-    const std::size_t stem = name.find('_'), dot = name.rfind('.');
-    if (stem == std::string_view::npos || dot == std::string_view::npos || dot + 2 != name.size() || dot < stem) return;
-    if (name[dot + 1] < '0' || name[dot + 1] > '2' || dot + 2 > axis_name.size()) return;
-    char* end = std::copy_n(name.data(), stem + 1, axis_name.data());
-    *end++ = "xyz"[name[dot + 1] - '0'];
-    end = std::copy(name.begin() + static_cast<std::ptrdiff_t>(stem), name.begin() + static_cast<std::ptrdiff_t>(dot),
-                    end);
-    if (const auto field = field_named({axis_name.data(), static_cast<std::size_t>(end - axis_name.data())}))
-      row.put(*field, value);
+    if (const auto field = field_of_json(name)) row.put(*field, value);
   });
   if (!whole) return Piece::kMalformed;
   return to_reading(row.numbers, row.time_unit_ns, out) ? Piece::kReading : Piece::kIgnored;

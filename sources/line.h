@@ -28,6 +28,10 @@ class LineFormat {
   /// Takes the names of a header line; false: there is no reading among them. Allocates.
   bool use_header(std::string_view line);
 
+  /// The names of a header line or a JSON object that are no reading, each with the nearest that is one: "ax
+  /// (acc_x_g?)". None where `columns:` names what is wanted. Allocates.
+  [[nodiscard]] std::string unknown_names(std::string_view line) const;
+
   /// CSV can be read: positions are known by configuration or header.
   [[nodiscard]] bool knows_positions() const noexcept { return !by_position_.empty(); }
 
@@ -36,6 +40,7 @@ class LineFormat {
   Piece parse_json(std::string_view line, Reading& out) const noexcept;
   [[nodiscard]] std::optional<Field> field_named(std::string_view name) const noexcept;
   [[nodiscard]] std::optional<Field> known_field(std::string_view name) const noexcept;
+  [[nodiscard]] std::optional<Field> field_of_json(std::string_view name) const noexcept;
 
   double count_to_si_[3];
   std::vector<std::pair<std::string, Field>> by_name_;  ///< of `columns:`, by the stream's own names

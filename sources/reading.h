@@ -1,6 +1,6 @@
 /// What one line or one frame of a stream held, in SI units (uT, degC).
 #pragma once
-#include "core/types.h"
+#include "pipeline/stage.h"
 
 namespace stillpoint::sources {
 
@@ -8,6 +8,9 @@ struct Reading {
   RawSample sample;  ///< its time only when `has_time`
   bool has_time = false;
   double time_unit_ns = 1.0;  ///< of the sender's counter: tells at what value it wraps
+  pipeline::StatedNoise noise;
+  SamplePart refused_part = kAcc;  ///< whose variance is none, if one was refused
+  double refused_variance = 0.0;   ///< as it came; 0: none was
 };
 
 /// What a piece of a stream turned out to be.

@@ -7,6 +7,7 @@ namespace stillpoint::sources {
 
 class Reopening {
  public:
+  static constexpr std::int64_t kFirst_ns = 100'000'000;
   explicit Reopening(double at_most_s) noexcept : longest_ns_(static_cast<std::int64_t>(1e9 * at_most_s)) {}
   [[nodiscard]] bool due(std::int64_t now_ns) const noexcept { return now_ns >= next_ns_; }
   void failed(std::int64_t now_ns) noexcept {
@@ -18,7 +19,6 @@ class Reopening {
   [[nodiscard]] std::int64_t next_ns() const noexcept { return next_ns_; }
 
  private:
-  static constexpr std::int64_t kFirst_ns = 100'000'000;
   std::int64_t longest_ns_, wait_ns_ = kFirst_ns, next_ns_ = 0;
 };
 

@@ -7,6 +7,7 @@
 #include <string_view>
 
 #include "core/snapshot_cell.h"
+#include "pipeline/stage.h"
 
 namespace stillpoint::sources {
 
@@ -28,16 +29,21 @@ enum class LinkState : std::uint8_t { kNeverThere, kThere, kGone };
 
 struct SourceReport {
   LinkState link = LinkState::kNeverThere;
-  std::uint64_t opened = 0;         ///< how often the device or the peer was there
-  std::uint64_t failures = 0;       ///< attempts to open it that failed
-  std::uint64_t readings = 0;       ///< handed on
-  std::uint64_t malformed = 0;      ///< damaged lines, frames or messages
-  std::uint64_t ignored = 0;        ///< texts and numbers that nobody can name
-  std::uint64_t skipped_bytes = 0;  ///< that belong to no frame and to no line
-  std::uint64_t lost = 0;           ///< missing by the sender's count
-  std::uint64_t unstamped = 0;      ///< without a time: of the second that teaches the rate, or damaged
-  ShortText error;                  ///< why it could not be opened last
-  ShortText refused;                ///< the last line that was no reading
+  std::uint64_t opened = 0;             ///< how often the device or the peer was there
+  std::uint64_t failures = 0;           ///< attempts to open it that failed
+  std::uint64_t readings = 0;           ///< handed on
+  std::uint64_t malformed = 0;          ///< damaged lines, frames or messages
+  std::uint64_t ignored = 0;            ///< texts and numbers that nobody can name
+  std::uint64_t skipped_bytes = 0;      ///< that belong to no frame and to no line
+  std::uint64_t lost = 0;               ///< missing by the sender's count
+  std::uint64_t unstamped = 0;          ///< without a time: of the second that teaches the rate, or damaged
+  std::uint64_t variances_refused = 0;  ///< that no sensor can have
+  SamplePart refused_part = kAcc;       ///< of the last one
+  double refused_variance = 0.0;
+  pipeline::StatedNoise noise;  ///< in use
+  ShortText error;              ///< why it could not be opened last
+  ShortText refused;            ///< the last line that was no reading
+  ShortText unknown_names;      ///< of columns or JSON fields that are no reading
 };
 
 /// Shared between the source and its readers.

@@ -6,10 +6,11 @@
 
 namespace stillpoint::sources {
 
-/// A covariance that begins with -1 says "not measured" (REP-145), if it is listened to. A header without a stamp gives
-/// a reading without a time.
+/// A covariance that begins with -1 says "not measured" (REP-145), zeros say "not known", any other states the noise:
+/// the largest of its variances, as the filter knows no axes. `use_covariance` false: none of it is listened to. A
+/// header without a stamp gives a reading without a time.
 [[nodiscard]] Reading from_ros2(const sensor_msgs::msg::Imu& message, bool use_covariance) noexcept;
-[[nodiscard]] Reading from_ros2(const sensor_msgs::msg::MagneticField& message) noexcept;
+[[nodiscard]] Reading from_ros2(const sensor_msgs::msg::MagneticField& message, bool use_covariance) noexcept;
 
 /// "/imu/data_raw" as DDS knows it: "rt/imu/data_raw".
 [[nodiscard]] std::string dds_topic(const std::string& ros_topic);

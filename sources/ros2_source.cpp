@@ -86,6 +86,17 @@ struct Ros2Source::Impl {
     told_ns = monotonic_ns();
   }
 
+  /// A message speaks of its own sensors; what another said of the rest serves on.
+  void hear_noise(const Reading& reading) noexcept {
+    if (reading.sample.holds(kAcc)) counts.noise.acc_mps2 = reading.noise.acc_mps2;
+    if (reading.sample.holds(kGyr)) counts.noise.gyr_radps = reading.noise.gyr_radps;
+    if (reading.sample.holds(kMag)) counts.noise.mag_uT = reading.noise.mag_uT;
+    if (reading.refused_variance == 0.0) return;
+    ++counts.variances_refused;
+    counts.refused_part = reading.refused_part;
+    counts.refused_variance = reading.refused_variance;
+  }
+
   bool take(pipeline::Arrival& out) noexcept {
     Inbox::Item item;
     while (inbox.take(item)) {
@@ -93,8 +104,10 @@ struct Ros2Source::Impl {
         ++counts.unstamped;
         continue;
       }
+      hear_noise(item.reading);
       out.sample = item.reading.sample;
       out.arrival_ns = item.arrival_ns;
+      out.noise = counts.noise;
       ++counts.readings;
       was_there = true;
       if (item.arrival_ns - told_ns > kTellPeriod_ns || counts.link != LinkState::kThere) tell(LinkState::kThere);
@@ -125,7 +138,9 @@ Result<Ros2Source> Ros2Source::create(const io::Ros2Params& params, const io::Dd
   if (done)
     done = impl->listen<sensor_msgs::msg::MagneticField>(
         params.mag_topic, new io::Guarded<sensor_msgs::msg::MagneticFieldPubSubType>, params.reliable,
-        [](const sensor_msgs::msg::MagneticField& message) { return from_ros2(message); });
+        [use_covariance](const sensor_msgs::msg::MagneticField& message) {
+          return from_ros2(message, use_covariance);
+        });
   if (!done) return tl::unexpected(done.error());
   impl->counts.error = ShortText("no publisher of " + dds_topic(params.imu_topic) + " was heard");
   impl->tell(LinkState::kNeverThere);

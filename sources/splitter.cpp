@@ -83,12 +83,19 @@ Piece Splitter::next_line(Reading& out) noexcept {
     return Piece::kMalformed;
   }
   Piece piece = format_.parse(line, out);
-  if (piece == Piece::kHeader) format_.use_header(line);
+  note_names(piece, line);
   // The head of the first line may be missing, and a number without its first digits is a number still.
   if (skip_line_ && piece != Piece::kHeader && line.substr(0, 1) != "{") piece = Piece::kIgnored;
   skip_line_ = false;
   if (piece == Piece::kMalformed || (piece == Piece::kIgnored && length > 1)) refuse(line);
   return piece;
+}
+
+void Splitter::note_names(Piece piece, std::string_view line) noexcept {
+  const bool object = piece != Piece::kMalformed && line.substr(0, 1) == "{";
+  const bool used = piece == Piece::kHeader ? format_.use_header(line) : object && !object_seen_;
+  if (used) unknown_names_ = format_.unknown_names(line);
+  object_seen_ = object_seen_ || object;
 }
 
 Piece Splitter::next_frame(Reading& out, std::uint64_t& steps) noexcept {

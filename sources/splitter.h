@@ -1,9 +1,10 @@
 /// Bytes of a stream into readings: lines or frames, whatever is cut, lost or put in between. No allocation but for a
-/// header line.
+/// header line and the first object of JSON.
 #pragma once
 #include <array>
 #include <cstdint>
 #include <span>
+#include <string>
 #include <string_view>
 
 #include "sources/frame.h"
@@ -44,10 +45,13 @@ class Splitter {
   [[nodiscard]] const SplitCounts& counts() const noexcept { return counts_; }
   /// The last line that was no reading, cut to what is worth showing.
   [[nodiscard]] std::string_view last_refused() const noexcept { return {refused_.data(), refused_size_}; }
+  /// What the header line, or the first object of JSON, names that is no reading.
+  [[nodiscard]] const std::string& unknown_names() const noexcept { return unknown_names_; }
   [[nodiscard]] bool knows_positions() const noexcept { return format_.knows_positions(); }
 
  private:
   Piece next_line(Reading& out) noexcept;
+  void note_names(Piece piece, std::string_view line) noexcept;
   Piece next_frame(Reading& out, std::uint64_t& steps) noexcept;
   bool text_has_frames() noexcept;
   void drop(std::size_t bytes) noexcept { begin_ += bytes; }
@@ -64,8 +68,10 @@ class Splitter {
   SplitCounts counts_;
   std::array<char, 60> refused_{};
   std::size_t refused_size_ = 0;
+  std::string unknown_names_;
   std::uint64_t damaged_ = 0;  ///< since the last reading
   bool unseen_ = false, skip_line_ = false, counter_known_ = false, overlong_ = false;
+  bool object_seen_ = false;
   std::uint8_t counter_ = 0;
 };
 

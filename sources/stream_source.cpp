@@ -105,6 +105,7 @@ void StreamSource::tell(LinkState link) noexcept {
   counts_.skipped_bytes = split.skipped_bytes;
   counts_.lost = split.lost;
   counts_.refused = ShortText(splitter_->last_refused());
+  counts_.unknown_names = ShortText(splitter_->unknown_names());
   report_->store(counts_);
   told_ns_ = monotonic_ns();
 }

@@ -124,7 +124,7 @@ class Running {
     around_.service.stopping();
     fast.join();
     slow.join();
-    work_.tell_news();
+    if (const auto report = shared_->report.try_load()) work_.tell_news(*report);
     work_.save();
     if (keeper_ != nullptr && !keeper_->finish(kLastSave_s)) log("the last state is not on disk: it takes too long");
     wire_.wait_for_acknowledgements(kLastMessages_s);
@@ -180,7 +180,7 @@ class Running {
     log(fmt::format(
         "ended: samples={} published={} refused={} gaps={} windows={} version={} dropped={} "
         "latency_us p50={:.1f} p99={:.1f} max={:.1f} processing_us p50={:.2f} p99={:.2f}",
-        report->guard.samples, report->published, report->guard.refused, report->guard.gaps, report->stages.windows,
+        report->guard.samples, report->published, report->guard.unused(), report->guard.gaps, report->stages.windows,
         stages_.live().version, report->ring_dropped, us(latency, 0.5), us(latency, 0.99),
         1e-3 * static_cast<double>(shared_->latency.max_ns()), us(processing, 0.5), us(processing, 0.99)));
   }

@@ -74,7 +74,6 @@ SlowWork::SlowWork(const SlowWorkParts& parts, const pipeline::Shared& shared)
 }
 
 void SlowWork::on_sample(const pipeline::Outgoing& sample) {
-  watch_.on_sample(sample.raw);
   parts_.wire.publish_raw(sample.raw, sample.arrival_ns);
   if (!sample.published) return;
   noise_.add(sample.raw, sample.message.at_rest);
@@ -139,8 +138,23 @@ void SlowWork::log_refused_datagrams() {
   tell(now.flooded, told_datagrams_.flooded, "announcements of more new participants than can be real");
 }
 
-void SlowWork::tell_news() {
-  for (const auto& line : watch_.news()) log(line);
+void SlowWork::tell_news(const pipeline::SensorReport& report) {
+  for (const auto& line : watch_.news(std::span(report.findings).first(report.found))) log(line);
+  const auto tell = [](std::uint64_t now, std::uint64_t& told, const char* what) {
+    if (now > told) log(fmt::format("{} {} so far", now, what));
+    told = now;
+  };
+  tell(report.ring_dropped, told_dropped_,
+       "samples missing on the reliable topics: the calibration thread is too slow");
+  tell(report.stages.answers_late, told_answers_late_, "calibrations later than calibration.answer_delay_s");
+  tell(report.guard.clock_steps, told_clock_steps_, "steps of the sensor's clock, taken out of the pipeline's time");
+  if (report.guard.late >= tell_readings_late_at_) {
+    log(
+        fmt::format("{} readings so far came later than sensor.limits.late_s, {} s, after the gyroscope's, and are not "
+                    "used; raise it to the delay of the driver",
+                    report.guard.late, config_.sensor.limits.late_s));
+    tell_readings_late_at_ = 10 * report.guard.late;
+  }
 }
 
 void SlowWork::log_changes(const pipeline::SensorReport& report, bool is_stale) {
@@ -150,17 +164,10 @@ void SlowWork::log_changes(const pipeline::SensorReport& report, bool is_stale) 
             ? "STALE: the source has ended"
             : fmt::format("STALE: no sample for {} s; nothing is repeated", parts_.live.stale_after_s.load()));
   told_stale_ = is_stale;
-  tell_news();
+  tell_news(report);
+  for (const auto& line : health_.news(last_.health)) log(line);
   log_neighbours();
   log_refused_datagrams();
-  const auto tell = [](std::uint64_t now, std::uint64_t& told, const char* what) {
-    if (now > told) log(fmt::format("{} {} so far", now, what));
-    told = now;
-  };
-  tell(report.ring_dropped, told_dropped_,
-       "samples missing on the reliable topics: the calibration thread is too slow");
-  tell(report.stages.answers_late, told_late_, "calibrations later than calibration.answer_delay_s");
-  tell(report.guard.clock_steps, told_clock_steps_, "steps of the sensor's clock, taken out of the pipeline's time");
 }
 
 DiagnosticsMessage SlowWork::diagnostics(const pipeline::SensorReport& report, std::int64_t now_ns, bool is_stale) {
@@ -175,7 +182,7 @@ DiagnosticsMessage SlowWork::diagnostics(const pipeline::SensorReport& report, s
   d.longest_gap_s = 1e-9 * static_cast<double>(report.guard.longest_gap_ns);
   d.dropped = report.ring_dropped + report.stages.evidence_dropped;
   d.clipped = report.guard.clipped;
-  d.refused = report.guard.refused;
+  d.refused = report.guard.unused();
   d.not_finite = report.guard.not_finite + report.guard.spikes;
   d.write_failures = report.write_failures;
   d.temp_degC = last_.temp_degC;

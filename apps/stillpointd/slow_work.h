@@ -4,6 +4,7 @@
 #include <optional>
 #include <string>
 
+#include "apps/stillpointd/health_watch.h"
 #include "apps/stillpointd/keeper.h"
 #include "apps/stillpointd/live_settings.h"
 #include "apps/stillpointd/reading_noise.h"
@@ -37,7 +38,7 @@ class SlowWork {
   void on_calibration(const pipeline::Evidence& evidence, const CalibrationSnapshot& snapshot);
   void on_tick(const pipeline::SensorReport& report, std::int64_t now_ns);
   /// Says what the source had to tell since it was asked last.
-  void tell_news();
+  void tell_news(const pipeline::SensorReport& report);
   /// Hands on what is not yet on disk.
   void save();
 
@@ -54,12 +55,14 @@ class SlowWork {
   pipeline::OutputFrame frame_;  ///< of the ROS 2 topics, as of the attitude
   const pipeline::Shared& shared_;
   SourceWatch watch_;
+  HealthWatch health_;
   AttitudeMessage last_;
   ReadingNoise noise_;
   ReadingCovariances covariances_;  ///< once a second
   std::int64_t start_ns_, last_tick_ns_, last_save_ns_;
   std::uint64_t last_samples_ = 0;
-  std::uint64_t told_dropped_ = 0, told_late_ = 0, told_clock_steps_ = 0;
+  std::uint64_t told_dropped_ = 0, told_answers_late_ = 0, told_clock_steps_ = 0;
+  std::uint64_t tell_readings_late_at_ = 1;
   OutletReport outlet_;  ///< once a second
   io::Neighbours told_neighbours_;
   io::RefusedDatagrams told_datagrams_;

@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
+#include <cmath>
 
 #include "io/plausibility_text.h"
 #include "io/quote.h"
@@ -13,17 +13,17 @@ using sources::LinkState;
 using sources::SourceReport;
 
 void SourceWatch::tell_link(const SourceReport& now, std::vector<std::string>& lines) {
-  const bool failed = now.failures > told_.failures && now.error.view() != told_.error.view();
-  if (now.link != LinkState::kThere && failed)
-    lines.push_back(fmt::format("source: {}; it is tried again", io::printable(now.error.view())));
-  if (now.link == told_.link) return;
-  if (now.link == LinkState::kGone) lines.emplace_back("source: gone; it is waited for");
-  if (now.link != LinkState::kThere) return;
-  const bool again = told_.link == LinkState::kGone;
-  lines.push_back(fmt::format("source: there{}", again ? " again" : ""));
-  if (!again) return;  // of a short stream all readings may have been judged before its link is looked at
-  check_ = {};         // another sensor, or the same with another range
-  told_findings_ = 0;
+  const bool changed = now.link != told_.link;
+  if (now.link == LinkState::kThere) {
+    if (changed) lines.push_back(fmt::format("source: there{}", told_.link == LinkState::kGone ? " again" : ""));
+    told_failure_.clear();
+    failures_when_there_ = now.failures;
+    return;
+  }
+  if (changed && now.link == LinkState::kGone) lines.emplace_back("source: gone; it is waited for");
+  if (now.failures == failures_when_there_ || now.error.view() == told_failure_) return;
+  told_failure_ = now.error.view();
+  lines.push_back(fmt::format("source: {}; it is tried again", io::printable(told_failure_)));
 }
 
 void SourceWatch::tell_damage(const SourceReport& now, std::vector<std::string>& lines) {
@@ -32,6 +32,11 @@ void SourceWatch::tell_damage(const SourceReport& now, std::vector<std::string>&
                                 now.malformed, now.lost, io::quote(now.refused.view())));
     tell_malformed_at_ = 10 * now.malformed;
   }
+  if (const std::string_view names = now.unknown_names.view(); !names.empty() && names != told_.unknown_names.view())
+    lines.push_back(
+        fmt::format("source: passed over, as their names are not known: {}; ours are such as acc_x_g, gyr_x_dps, "
+                    "mag_x_uT, and 'source: columns' says which is which",
+                    io::printable(names)));
   if (now.readings == 0 && now.ignored >= tell_ignored_at_) {
     lines.push_back(fmt::format(
         "source: {} lines and no reading, the last {}; name what the columns hold with 'source: columns', or "
@@ -41,28 +46,52 @@ void SourceWatch::tell_damage(const SourceReport& now, std::vector<std::string>&
   }
 }
 
-const Finding* SourceWatch::lasting() const noexcept {
-  const auto findings = check_.findings();
-  const auto found = std::find_if(findings.begin(), findings.end(), [](const Finding& f) {
-    return f.oddity != Oddity::kTimeBackward && f.oddity != Oddity::kTimeJumped && f.oddity != Oddity::kTimeStopped;
-  });
-  return found == findings.end() ? nullptr : &*found;
+void SourceWatch::tell_noise(const SourceReport& now, std::vector<std::string>& lines) {
+  const auto& [acc, gyr, mag] = now.noise;
+  const bool first = told_.noise == pipeline::StatedNoise{};
+  if (first && now.noise != told_.noise)
+    lines.push_back(
+        fmt::format("source: it states its noise, {:.3g} m/s^2, {:.3g} rad/s, {:.3g} uT a reading (0: not known); the "
+                    "attitude is at least as unsure",
+                    acc, gyr, mag));
+  if (now.variances_refused < tell_variances_at_) return;
+  tell_variances_at_ = 10 * now.variances_refused;
+  const double variance = now.refused_variance;
+  lines.push_back(fmt::format(
+      "source: {} covariances refused so far, the last of the {}: a variance of {} is {}; what is configured serves",
+      now.variances_refused,
+      now.refused_part == kAcc   ? "accelerometer"
+      : now.refused_part == kGyr ? "gyroscope"
+                                 : "magnetometer",
+      variance,
+      !std::isfinite(variance) ? "no number"
+      : variance < 0.0         ? "negative"
+                               : "more than such a sensor can have"));
 }
 
-std::vector<std::string> SourceWatch::news() {
+std::vector<std::string> SourceWatch::news(std::span<const Finding> findings) {
   std::vector<std::string> lines;
   if (const auto now = report_ != nullptr ? report_->try_load() : std::nullopt) {
     tell_link(*now, lines);
     tell_damage(*now, lines);
+    tell_noise(*now, lines);
     told_ = *now;
   }
-  const auto findings = check_.findings();
-  for (; told_findings_ < findings.size(); ++told_findings_)
-    lines.push_back("IMPLAUSIBLE: " + io::describe(findings[told_findings_]));
+  trouble_.clear();
+  implausible_ = false;
+  for (const Finding& f : findings) {
+    const std::string what = io::describe(f);
+    bool& told = told_oddities_[static_cast<std::size_t>(f.oddity)];
+    if (f.stands != told) lines.push_back((f.stands ? "IMPLAUSIBLE: " : "plausible again: ") + what);
+    told = f.stands;
+    const bool once =
+        f.oddity == Oddity::kTimeBackward || f.oddity == Oddity::kTimeJumped || f.oddity == Oddity::kTimeStopped;
+    if (!f.stands || once || implausible_) continue;
+    implausible_ = true;
+    trouble_ = what;
+  }
   if (report_ != nullptr && told_.link != LinkState::kThere)
     trouble_ = told_.error.view().empty() ? "no sensor yet" : io::printable(told_.error.view());
-  else
-    trouble_ = lasting() != nullptr ? io::describe(*lasting()) : "";
   return lines;
 }
 

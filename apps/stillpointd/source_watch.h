@@ -1,5 +1,7 @@
 /// What the slow thread knows of the source: its link, its damage, and readings that cannot be right.
 #pragma once
+#include <array>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -13,24 +15,25 @@ class SourceWatch {
   /// `report` may be none: a replay has nothing to tell of itself.
   explicit SourceWatch(sources::ReportCell report) : report_(std::move(report)) {}
 
-  void on_sample(const RawSample& sample) noexcept { check_.push(sample); }
-  /// What happened since the last call, one line an event.
-  [[nodiscard]] std::vector<std::string> news();
+  /// What happened since the last call, one line an event. `findings` are the pipeline's, of all its samples so far.
+  [[nodiscard]] std::vector<std::string> news(std::span<const Finding> findings);
   /// What keeps the readings from being used as they are, in one line; empty: nothing.
   [[nodiscard]] const std::string& trouble() const noexcept { return trouble_; }
   /// Units or readings are wrong as long as this sensor is there. A clock that was set once is no such thing.
-  [[nodiscard]] bool implausible() const noexcept { return lasting() != nullptr; }
+  [[nodiscard]] bool implausible() const noexcept { return implausible_; }
 
  private:
-  [[nodiscard]] const Finding* lasting() const noexcept;
   void tell_link(const sources::SourceReport& now, std::vector<std::string>& lines);
   void tell_damage(const sources::SourceReport& now, std::vector<std::string>& lines);
+  void tell_noise(const sources::SourceReport& now, std::vector<std::string>& lines);
 
   sources::ReportCell report_;
   sources::SourceReport told_;
-  PlausibilityCheck check_;
-  std::size_t told_findings_ = 0;
-  std::uint64_t tell_malformed_at_ = 1, tell_ignored_at_ = 100;
+  std::string told_failure_;  ///< of the absence at hand
+  std::uint64_t failures_when_there_ = 0;
+  std::array<bool, kOddities> told_oddities_{};
+  bool implausible_ = false;
+  std::uint64_t tell_malformed_at_ = 1, tell_ignored_at_ = 100, tell_variances_at_ = 1;
   std::string trouble_;
 };
 

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <functional>
 #include <random>
@@ -90,44 +91,91 @@ TEST(Plausibility, AWrongUnitIsNamedWithinTenSeconds) {
   }
 }
 
+/// A finding stands while the sensor rests or lies still, and until its readings have been right for a while.
+TEST(Plausibility, AFindingStandsUntilTheReadingsAreRight) {
+  const Wrong all[] = {
+      {"acc", Oddity::kAccScale, Mistake::kGAsMps2, [](RawSample& s) { scale(s.acc_mps2, 1 / 9.80665); }},
+      {"gyr", Oddity::kGyrScale, Mistake::kDegpsAsRadps, [](RawSample& s) { scale(s.gyr_radps, kDegPerRad); }},
+      {"gyr silent", Oddity::kGyrSilent, Mistake::kRadpsAsDegps, [](RawSample& s) { scale(s.gyr_radps, kRadPerDeg); }},
+      {"mag", Oddity::kMagScale, Mistake::kGaussAsUT, [](RawSample& s) { scale(s.mag_uT, 0.01); }},
+      {"temp", Oddity::kTempScale, Mistake::kKelvinAsDegC, [](RawSample& s) { s.temp_degC += 273.15; }},
+      {"dead", Oddity::kTempDead, Mistake::kNone, [](RawSample& s) { s.temp_degC = 0.0; }}};
+  for (const Wrong& wrong : all) {
+    Hand hand;
+    PlausibilityCheck check;
+    const auto stands = [&check, &wrong] {
+      const auto found = check.findings();
+      return std::any_of(found.begin(), found.end(),
+                         [&wrong](const Finding& f) { return f.oddity == wrong.oddity && f.stands; });
+    };
+    const auto push = [&](double seconds, bool spoilt) {
+      int standing = 0;
+      const int n = static_cast<int>(100 * seconds);
+      for (int k = 0; k < n; ++k) {
+        RawSample s = hand.next();
+        if (spoilt) wrong.spoil(s);
+        check.push(s);
+        standing += stands() ? 1 : 0;
+      }
+      return standing == n;
+    };
+    push(25.0, true);
+    EXPECT_TRUE(push(60.0, true)) << wrong.name << ": rests of three seconds do not lift it";
+    push(25.0, false);
+    EXPECT_FALSE(stands()) << wrong.name;
+    push(25.0, true);
+    EXPECT_TRUE(stands() || wrong.oddity == Oddity::kTempDead) << wrong.name << ": it is found again";
+  }
+}
+
 TEST(Plausibility, RadiansTakenForDegreesShowWhenGravityTurnsAndTheGyroscopeDoesNot) {
   const auto found = findings(20.0, [](RawSample& s) { scale(s.gyr_radps, kRadPerDeg); });
   ASSERT_FALSE(found.empty());
   EXPECT_EQ(found[0].mistake, Mistake::kRadpsAsDegps);
 }
 
-TEST(Plausibility, ASensorAtRestThatGivesDegreesIsFoundByItsOffset) {
+/// What is found in `n` rows of a sensor that lies level, but for what `gyr_of(time in s, noise)` and `acc_x` say.
+template <class Rate>
+std::vector<Finding> lying_level(int n, std::int64_t period_ns, const Rate& gyr_of, double acc_x = 0.0) {
   PlausibilityCheck check;
   std::mt19937 random(3);
-  std::normal_distribution<double> noise;
-  for (int k = 0; k < 1000; ++k) {
+  std::normal_distribution<double> normal;
+  const auto noise = [&] { return normal(random); };
+  for (int k = 0; k < n; ++k) {
     RawSample s;
-    s.t_ns = 10'000'000LL * k;
+    s.t_ns = period_ns * k;
     s.has = kAcc | kGyr;
-    s.acc_mps2 = {0.03 * noise(random), 0.03 * noise(random), 9.8 + 0.03 * noise(random)};
-    s.gyr_radps = {3.6 + 0.1 * noise(random), 0.02, 0.1};  // deg/s
+    s.acc_mps2 = {acc_x + 0.03 * noise(), 0.03 * noise(), 9.8 + 0.03 * noise()};
+    s.gyr_radps = gyr_of(1e-9 * static_cast<double>(s.t_ns), noise);
     check.push(s);
   }
-  ASSERT_EQ(check.findings().size(), 1U);
-  EXPECT_EQ(check.findings()[0].mistake, Mistake::kDegpsAsRadps);
+  return {check.findings().begin(), check.findings().end()};
+}
+
+TEST(Plausibility, ASensorAtRestThatGivesDegreesIsFoundByItsOffset) {
+  const auto found = lying_level(1000, 10'000'000, [](double, auto& noise) -> Array3 {
+    return {3.6 + 0.1 * noise(), 0.02, 0.1};  // deg/s
+  });
+  ASSERT_EQ(found.size(), 1U);
+  EXPECT_EQ(found[0].mistake, Mistake::kDegpsAsRadps);
 }
 
 TEST(Plausibility, ATurntableAndACircleAreNoMistakeOfUnits) {
-  for (const double radius_m : {0.0, 0.5}) {
-    PlausibilityCheck check;
-    std::mt19937 random(3);
-    std::normal_distribution<double> noise;
-    for (int k = 0; k < 6000; ++k) {
-      RawSample s;
-      s.t_ns = 10'000'000LL * k;
-      s.has = kAcc | kGyr;
-      const double rate = 3.5;
-      s.acc_mps2 = {radius_m * rate * rate + 0.03 * noise(random), 0.03 * noise(random), 9.8 + 0.03 * noise(random)};
-      s.gyr_radps = {0.1 + 0.002 * noise(random), 0.0, rate + 0.002 * noise(random)};
-      check.push(s);
-    }
-    EXPECT_TRUE(check.findings().empty()) << radius_m;
-  }
+  constexpr double kRate = 3.5;
+  const auto turning = [](double, auto& noise) -> Array3 {
+    return {0.1 + 0.002 * noise(), 0.0, kRate + 0.002 * noise()};
+  };
+  for (const double radius_m : {0.0, 0.5})
+    EXPECT_TRUE(lying_level(6000, 10'000'000, turning, radius_m * kRate * kRate).empty()) << radius_m;
+}
+
+/// Read 25 times a second, a hand that trembles about the vertical changes its rate from reading to reading.
+TEST(Plausibility, AQuickTurnAboutTheVerticalIsNoNoiseOfASensorInDegrees) {
+  const auto trembling = [](double t_s, auto& noise) -> Array3 {
+    const double rate = 0.12 * std::sin(2.0 * std::numbers::pi * 4.2 * t_s);
+    return {0.002 * noise(), 0.002 * noise(), rate + 0.002 * noise()};
+  };
+  EXPECT_TRUE(lying_level(3000, 40'000'000, trembling).empty());
 }
 
 TEST(Plausibility, RepeatsAndClocksThatDoNotRunAreNamed) {

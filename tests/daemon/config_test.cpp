@@ -5,6 +5,7 @@
 #include "io/config.h"
 #include "io/simulation_yaml.h"
 #include "tests/apps/apps_testing.h"
+#include "tests/source_folder.h"
 
 namespace stillpoint::io {
 namespace {
@@ -18,7 +19,7 @@ std::string faults(const std::string& text) {
 
 TEST(DaemonConfig, EveryShippedFileIsWithoutFault) {
   std::size_t daemons = 0;
-  for (const auto& entry : std::filesystem::directory_iterator(STILLPOINT_SOURCE_DIR "/configs")) {
+  for (const auto& entry : std::filesystem::directory_iterator(in_source("configs"))) {
     const std::string name = entry.path().filename().string();
     if (entry.path().extension() != ".yaml" || name.starts_with("sim_")) continue;
     const auto config = read_config(entry.path().string());
@@ -91,9 +92,33 @@ TEST(DaemonConfig, TakesOnlyEffectsThatCanBeTakenOutInRealTime) {
   EXPECT_EQ(stages_params(*config).compensation.gyr_gsens.diagonal(), Vec3(1e-4, 2e-4, 3e-4));
 }
 
+TEST(DaemonConfig, TakesLawsOfWhatTheStagesKnowAtThatMoment) {
+  for (const char* law : {"w * (T - 25)", "norm(w) * f_x", "m^2"})
+    EXPECT_EQ(faults(fmt::format("compensate: [{{effect: law, sensor: gyr, law: \"{}\", k: [1e-4, 0, 0]}}]", law)),
+              "no fault")
+        << law;
+  for (const char* law : {"lag(w, 2)", "d(w)", "I * w", "t", "motor_rpm"})
+    EXPECT_NE(faults(fmt::format("compensate: [{{effect: law, sensor: gyr, law: \"{}\", k: [1e-4, 0, 0]}}]", law))
+                  .find(fmt::format("the law '{}' cannot be taken out", law)),
+              std::string::npos)
+        << law;
+  const auto config =
+      parse_config("compensate: [{effect: law, sensor: mag, law: \"m * (T - 25)\", k: [1e-4, 2e-4, 3e-4]}]", "f.yaml");
+  ASSERT_TRUE(config.has_value()) << config.error().message;
+  const auto compensation = stages_params(*config).compensation;
+  ASSERT_TRUE(compensation.laws);
+  ASSERT_EQ(compensation.laws->size(), 1U);
+  EXPECT_TRUE(compensation.any);
+  EXPECT_EQ(compensation.laws->front().of, &pipeline::Momentary::field);
+  const pipeline::Momentary now{.field = {10.0, 20.0, 30.0}, .temp_degC = 35.0};
+  EXPECT_TRUE(compensation.laws->front().delta(now).isApprox(Vec3(0.01, 0.04, 0.09)));
+}
+
 TEST(DaemonConfig, SaysBeforehandWhichEffectsItWillTake) {
   for (const char* entry : {"{effect: acc_lpf, tau_s: 0.01}", "{effect: gyr_asym, k: 1e-3}",
-                            "{effect: mag_delay, tau_s: 0.01}", "{effect: gyr_asym, k: 1e-3, window_s: [1, 2]}"}) {
+                            "{effect: mag_delay, tau_s: 0.01}", "{effect: gyr_asym, k: 1e-3, window_s: [1, 2]}",
+                            "{effect: law, sensor: gyr, law: \"f_x * (T - 25)\", k: [1e-4, 0, 0]}",
+                            "{effect: law, sensor: gyr, law: \"lag(f_x, 2)\", k: [1e-4, 0, 0]}"}) {
     const auto simulation = parse_simulation(fmt::format("{{gyroscope: {{}}, accelerometer: "
                                                          "{{}}, magnetometer: {{}}, effects: [{}]}}",
                                                          entry),

@@ -73,14 +73,14 @@ TEST_F(DaemonFaults, OneCoreIsEnough) {
 }
 
 TEST_F(DaemonFaults, WithoutTheRightsItSaysWhatIsRefusedAndRunsOn) {
-  if (geteuid() != 0) GTEST_SKIP() << "SKIPPED: only root can give its rights away";
+  if (geteuid() != 0) GTEST_SKIP() << "LOUD: SKIPPED: only root can give its rights away";
   configure("threads: {sensor_core: 1023, fifo_priority: 50, lock_memory: true, cpu_latency_us: 0}\n");
   fs::create_directory(scratch_ / "state");
   fs::permissions(scratch_ / "", fs::perms::all);
   fs::permissions(scratch_ / "state", fs::perms::all);
   wrapper_ = "setpriv --reuid=65534 --regid=65534 --clear-groups";
   if (run(wrapper_ + " test -r " + configs("sim_handheld.yaml"), scratch_ / "rights") != 0)
-    GTEST_SKIP() << "SKIPPED: the project's folder is not open to other users";
+    GTEST_SKIP() << "LOUD: SKIPPED: the project's folder is not open to other users";
   auto daemon = start("ulimit -l 64;");
   EXPECT_TRUE(keeps_a_state()) << log();
   EXPECT_EQ(end(*daemon), 0);
@@ -113,7 +113,8 @@ TEST_F(DaemonFaults, AStateFolderThatCannotBeMadeYetIsTriedAgainAndTheStateKeptT
 
 TEST_F(DaemonFaults, TheLatencyAskedOfTheProcessorsIsHeldWhileItRuns) {
   const std::string device = "/dev/cpu_dma_latency";
-  if (access(device.c_str(), W_OK) != 0) GTEST_SKIP() << "SKIPPED: " << device << " is not there or not ours to write";
+  if (access(device.c_str(), W_OK) != 0)
+    GTEST_SKIP() << "LOUD: SKIPPED: " << device << " is not there or not ours to write";
   configure("threads: {cpu_latency_us: 1000000}\n");  // so long that nothing changes for the others
   auto daemon = start();
   EXPECT_TRUE(keeps_a_state()) << log();

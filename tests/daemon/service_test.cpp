@@ -91,7 +91,8 @@ TEST_F(DaemonService, FeedsTheWatchdogAsLongAsTheSensorThreadGoesOnAndNoLonger) 
   EXPECT_GE(fed_within(std::chrono::seconds(1)), 4);
   const pid_t sensor = thread_named("sensor");
   ASSERT_GT(sensor, 0);
-  if (ptrace(PTRACE_SEIZE, sensor, nullptr, nullptr) != 0) GTEST_SKIP() << "SKIPPED: no thread may be stopped here";
+  if (ptrace(PTRACE_SEIZE, sensor, nullptr, nullptr) != 0)
+    GTEST_SKIP() << "LOUD: SKIPPED: no thread may be stopped here";
   ASSERT_EQ(ptrace(PTRACE_INTERRUPT, sensor, nullptr, nullptr), 0);
   waitpid(sensor, nullptr, __WALL);
   fed_within(std::chrono::milliseconds(300));

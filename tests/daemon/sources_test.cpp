@@ -60,6 +60,30 @@ TEST_F(DaemonSources, NumbersWithoutNamesAreAskedFor) {
   EXPECT_NE(said.find("name what the columns hold with 'source: columns'"), std::string::npos) << said;
 }
 
+TEST_F(DaemonSources, AColumnWhoseNameIsNotKnownIsTold) {
+  int code = -1;
+  const std::string header = "time_ms,accx_g,acc_y_mps2,acc_z_mps2,gyr_x_radps,gyr_y_radps,gyr_z_radps\n";
+  const std::string said = daemon("kind: stream, from: stdin", lines(header.c_str(), 1.0, 9.8), code);
+  EXPECT_NE(said.find("passed over, as their names are not known: accx_g (acc_x_g?); ours are such as acc_x_g"),
+            std::string::npos)
+      << said;
+  EXPECT_NE(said.find("accelerometer: absent"), std::string::npos) << said;
+}
+
+TEST_F(DaemonSources, ReadingsThatComeTooLateAreCountedAndTold) {
+  std::ostringstream text;
+  text << "time_ms,acc_x_g,acc_y_g,acc_z_g,gyr_x_dps,gyr_y_dps,gyr_z_dps,mag_x_uT,mag_y_uT,mag_z_uT\n";
+  for (int k = 0; k < 1000; ++k) {
+    text << 10 * k << ",0,0," << 1.0 + 1e-3 * (k % 3) << ",0," << 0.1 * (k % 3) << ",0,,,\n";
+    text << 10 * k - 30 << ",,,,,,," << 20.0 + 0.1 * (k % 3) << ",0,-40\n";
+  }
+  int code = -1;
+  const std::string said = daemon("kind: stream, from: stdin", text.str(), code);
+  EXPECT_EQ(code, 0) << said;
+  EXPECT_NE(said.find("samples=1000 published=1000 refused=1000 "), std::string::npos) << said;
+  EXPECT_NE(said.find("readings so far came later than sensor.limits.late_s, 0.01 s"), std::string::npos) << said;
+}
+
 TEST_F(DaemonSources, TheConfigurationIsCheckedAgainstWhatIsThere) {
   int code = 0;
   const auto expect_refusal = [&](const std::string& config, const char* why) {

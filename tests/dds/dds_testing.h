@@ -112,7 +112,8 @@ inline DiagnosticsMessage diagnostics_message() {
   m.status = AttitudeStatus::kOk;
   m.message = "running";
   m.source = "stream /dev/ttyUSB0";
-  m.missing = "what is learnt is not kept";
+  m.missing =
+      "what is learnt is not kept: the folder of the state cannot be made; it is tried again every five seconds";
   m.health.gyr = {Health::kFaulty, Fault::kStuck, 12'000'000'000, 3.5};
   m.health.temp = {Health::kAbsent, Fault::kAbsent, 0, 0.0};
   m.not_finite = 3;

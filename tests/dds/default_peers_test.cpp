@@ -27,9 +27,9 @@ class DefaultPeers : public testing::TestWithParam<Peer> {
  protected:
   void SetUp() override {
     if (!network_.ready())
-      GTEST_SKIP() << "SKIPPED: no network namespace of one's own here (root and `ip` of iproute2 are needed)";
+      GTEST_SKIP() << "LOUD: SKIPPED: no network namespace of one's own here (root and `ip` of iproute2 are needed)";
     if (std::string(CYCLONE_READER).empty() && GetParam().program == std::string(CYCLONE_READER))
-      GTEST_SKIP() << "SKIPPED: no Cyclone DDS was found";
+      GTEST_SKIP() << "LOUD: SKIPPED: no Cyclone DDS was found";
     write_file(folder_ / "d.yaml", "source: {kind: simulation, file: " + configs("sim_handheld.yaml") +
                                        ", speed: 1}\nsensor: {id: test}\n");
   }

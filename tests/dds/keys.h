@@ -7,6 +7,7 @@
 #include "io/dds_params.h"
 #include "tests/apps/apps_testing.h"
 #include "tests/dds/dds_testing.h"
+#include "tests/source_folder.h"
 
 namespace stillpoint::test {
 
@@ -16,7 +17,7 @@ class Keys {
   explicit Keys(const std::string& participants) { make(participants); }
   void make(const std::string& participants, const std::string& environment = {}) const {
     const int code =
-        run(environment + " " STILLPOINT_SOURCE_DIR "/scripts/dds_keys.sh " + (folder_ / "keys") + " " + participants,
+        run(environment + " " + in_source("scripts/dds_keys.sh ") + (folder_ / "keys") + " " + participants,
             folder_ / "log");
     EXPECT_EQ(code, 0) << read_file(folder_ / "log");
   }

@@ -120,7 +120,7 @@ void keep_cyclone_on_loopback() {
 
 TEST(Ros2, ASubscriberOfAnotherVendorReadsEveryFieldAndTheTypeHash) {
   if (std::string(CYCLONE_READER).empty())
-    GTEST_SKIP() << "SKIPPED: no Cyclone DDS was found when this was configured (apt-get install cyclonedds-dev "
+    GTEST_SKIP() << "LOUD: SKIPPED: no Cyclone DDS was found when this was configured (apt-get install cyclonedds-dev "
                     "cyclonedds-tools)";
   keep_cyclone_on_loopback();
   auto publisher = io::DdsPublisher::create(test_params());
@@ -161,7 +161,7 @@ TEST(Ros2, ASubscriberOfAnotherVendorReadsEveryFieldAndTheTypeHash) {
 
 /// The sensor lies on its side, mounted so that the body stands upright.
 TEST(Ros2, OfAMountedSensorTheDaemonPublishesTheForceInTheBodysAxes) {
-  if (std::string(CYCLONE_READER).empty()) GTEST_SKIP() << "SKIPPED: no Cyclone DDS was found";
+  if (std::string(CYCLONE_READER).empty()) GTEST_SKIP() << "LOUD: SKIPPED: no Cyclone DDS was found";
   keep_cyclone_on_loopback();
   const test::ScratchFolder folder;
   std::string recording = "time_s,acc_x_mps2,acc_y_mps2,acc_z_mps2,gyr_x_radps,gyr_y_radps,gyr_z_radps\n";

@@ -135,7 +135,7 @@ TEST(SecurityOfTheDomain, WhatIsSentCanBeReadOnTheWireWithoutKeysAndNotWithThem)
   const NetworkNamespace network;  // the tests that run beside this one are heard on a loopback of their own
   Wiretap wire;
   if (!network.ready() || !wire.ready())
-    GTEST_SKIP() << "SKIPPED: needs root and the tool `ip` to listen on a loopback";
+    GTEST_SKIP() << "LOUD: SKIPPED: needs root and the tool `ip` to listen on a loopback";
   const Keys keys("daemon=daemon laptop");
   const std::string said = calibration_message().sensor_id;
   for (const bool secured : {true, false}) {

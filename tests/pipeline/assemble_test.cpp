@@ -199,9 +199,8 @@ TEST(Assemble, StreamsGiveTheAttitudeOfWholeRows) {
     const auto push = [&](RawSample s) {
       s.sequence = sequence++;
       if (stages.process(s, out, link) == StageStatus::kDrop || s.t_ns < 20'000'000'000) return;
-      const auto& e = out.attitude.q_world_body;
       const Quat at = truth[static_cast<std::size_t>(out.attitude.t_ns / 100'000)];
-      worst = std::max(worst, 2 * std::acos(std::min(1.0, std::abs(at.dot(Quat(e[0], e[1], e[2], e[3]))))));
+      worst = std::max(worst, 2 * std::acos(std::min(1.0, std::abs(at.dot(quat(out.attitude.q_world_body))))));
     };
     for (std::int64_t us = 0; us < 40'000'000; us += 100) {
       const std::int64_t t_ns = 1000 * us;

@@ -51,6 +51,48 @@ TEST(Compensate, TakesOutWhatTheCatalogueAdds) {
   EXPECT_LT((vec(out.gyr_radps) - w).norm(), 1e-9);
 }
 
+Compensation with_laws(std::vector<TakenOutLaw> laws) {
+  Compensation c;
+  c.laws = std::make_shared<const std::vector<TakenOutLaw>>(std::move(laws));
+  c.any = true;
+  return c;
+}
+
+TEST(Compensate, TakesOutLawsOfOneSensorAndOfTwo) {
+  const Vec3 f(3.0, -4.0, 8.0), w(0.5, -2.0, 1.0);
+  const auto own = [](const Momentary& now) -> Vec3 { return 1e-3 * now.force * now.force.norm(); };
+  const auto coupled = [](const Momentary& now) -> Vec3 { return 1e-5 * now.force * (now.temp_degC - 25.0); };
+  CompensateStage stage(with_laws({{&Momentary::force, own}, {&Momentary::rate, coupled}}));
+  const Vec3 u_f = f + 1e-3 * f * f.norm(), u_w = w + 1e-5 * f * 12.0;
+  CalibratedSample out;
+  stage.process(sample(u_f, u_w, 37.0), out);
+  EXPECT_LT((vec(out.acc_mps2) - f).norm(), 1e-5);
+  EXPECT_LT((vec(out.gyr_radps) - w).norm(), 1e-8);
+}
+
+TEST(Compensate, ALawThatHasNoValueAtAReadingAddsNothing) {
+  CompensateStage stage(
+      with_laws({{&Momentary::rate, [](const Momentary& now) -> Vec3 { return now.rate / now.rate.norm(); }}}));
+  const auto in = sample({0, 0, 9.8}, Vec3::Zero(), 25.0);
+  CalibratedSample out;
+  stage.process(in, out);
+  EXPECT_EQ(out.gyr_radps, in.gyr_radps);
+}
+
+TEST(Compensate, ALawDoesNotReachTheCalibrationThroughARestWindow) {
+  const auto law = [](const Momentary& now) -> Vec3 { return 1e-4 * now.force * (now.temp_degC - 25.0); };
+  const CompensateStage stage(with_laws({{&Momentary::rate, law}}));
+  const CalibrationSnapshot live;
+  const Vec3 f(0.0, 6.0, 7.8), bias(0.01, -0.02, 0.03);
+  calib::Window window;
+  window.has = kAcc | kGyr;
+  window.temp_degC = 35.0;
+  window.acc_mps2 = array(f);
+  window.gyr_radps = array(Vec3(bias + 1e-4 * 10.0 * f));
+  stage.compensate(window, live);
+  EXPECT_LT((vec(window.gyr_radps) - bias).norm(), 1e-12);
+}
+
 TEST(Compensate, MovesTheSpecificForceFromTheSensorToTheReferencePoint) {
   const Vec3 r(0.1, -0.05, 0.2), spin(0.0, 0.0, 4.0), at_reference(0.0, 0.0, 9.8);
   CompensateStage stage({.acc_lever_m = r, .any = true});

@@ -8,10 +8,6 @@
 namespace stillpoint::pipeline {
 namespace {
 
-Quat quat(const fusion::AttitudeEstimate& e) {
-  return Quat(e.q_world_body[0], e.q_world_body[1], e.q_world_body[2], e.q_world_body[3]);
-}
-
 /// A sensor somewhere in the world, and what it reads there at rest and while it turns.
 struct Scene {
   fusion::AttitudeEstimate estimate;
@@ -38,8 +34,9 @@ TEST(OutputFrame, ReadingsStandInTheFrameOfTheAttitudeBesideThem) {
       const CalibratedSample body = in_frame(s.sample, frame);
       const double up = world == WorldFrame::kEnu ? 1.0 : -1.0;  // of the specific force at rest: NED has z down
       const Vec3 field = world == WorldFrame::kEnu ? Vec3(0, 20, -43) : Vec3(20, 0, 43);
-      EXPECT_LT((quat(attitude) * vec(body.acc_mps2) - Vec3(0, 0, up * kStandardGravity_mps2)).norm(), 1e-12);
-      EXPECT_LT((quat(attitude) * vec(body.mag_uT) - field).norm(), 1e-12);
+      EXPECT_LT((quat(attitude.q_world_body) * vec(body.acc_mps2) - Vec3(0, 0, up * kStandardGravity_mps2)).norm(),
+                1e-12);
+      EXPECT_LT((quat(attitude.q_world_body) * vec(body.mag_uT) - field).norm(), 1e-12);
       EXPECT_LT((vec(attitude.rate_body_radps) - vec(body.gyr_radps)).norm(), 1e-12);
       EXPECT_EQ(attitude.gyro_bias_radps, s.estimate.gyro_bias_radps) << "of the sensor's axes, as the calibration";
     }

@@ -66,6 +66,18 @@ TEST(FullScale, ASmallRailIsTakenForOneWhereTheLatticeIsFine) {
   }
 }
 
+/// A driver that filters, scales or turns readings leaves the last bits of each different.
+TEST(FullScale, RoundingIsNoLattice) {
+  FullScale gyr(2.0);
+  std::mt19937_64 random(1);
+  std::normal_distribution<double> normal;
+  for (int i = 0; i < 3000; ++i) {
+    Array3 reading{};  // at rest: noise of a lattice step
+    for (double& x : reading) x = 0.001 * std::round(normal(random)) + (i % 3 == 0 ? 1e-16 * normal(random) : 0.0);
+    EXPECT_FALSE(gyr.at_rail(reading)) << i;
+  }
+}
+
 TEST(FullScale, AReadingBeyondARailTakesItBack) {
   FullScale scale(kSmallest);
   double other = 0.0;

@@ -20,8 +20,8 @@ constexpr char kHand[] =
 constexpr double kFrom_s = 20.0;
 
 struct Outcome {
-  Fault acc = Fault::kNone, gyr = Fault::kNone, mag = Fault::kNone;  ///< at the end
-  bool ever_faulty = false;
+  Fault acc = Fault::kNone, gyr = Fault::kNone, mag = Fault::kNone, temp = Fault::kNone;  ///< at the end
+  bool ever_faulty = false, ever_noisy = false;
   double named_s = INFINITY;  ///< from the start of the fault
   int ok_outside = 0;         ///< samples in the last 40 s
 };
@@ -40,7 +40,7 @@ Outcome run(const std::function<void(RawSample&)>& spoil, std::uint64_t seed) {
     if (t_s > kFrom_s) spoil(s.sample);
     if (stages.process(s.sample, out, link) == StageStatus::kDrop) continue;
     for (const SensorHealth& sensor : {out.health.acc, out.health.gyr, out.health.mag})
-      outcome.ever_faulty |= sensor.state == Health::kFaulty;
+      outcome.ever_faulty |= sensor.state == Health::kFaulty, outcome.ever_noisy |= sensor.fault == Fault::kNoisy;
     if (outcome.ever_faulty) outcome.named_s = std::min(outcome.named_s, t_s - kFrom_s);
     const Vec3 error = test::world_error(s, out);
     const bool outside = error.head<2>().norm() > 3.0 * (out.attitude.sigma_roll_rad + out.attitude.sigma_pitch_rad);
@@ -49,11 +49,15 @@ Outcome run(const std::function<void(RawSample&)>& spoil, std::uint64_t seed) {
   outcome.acc = out.health.acc.fault;
   outcome.gyr = out.health.gyr.fault;
   outcome.mag = out.health.mag.fault;
+  outcome.temp = out.health.temp.fault;
   return outcome;
 }
 
 TEST(HealthMonitor, NamesNothingInSoundStreams) {
-  for (std::uint64_t seed = 1; seed <= 5; ++seed) EXPECT_FALSE(run([](RawSample&) {}, seed).ever_faulty) << seed;
+  for (std::uint64_t seed = 1; seed <= 5; ++seed) {
+    const Outcome sound = run([](RawSample&) {}, seed);
+    EXPECT_FALSE(sound.ever_faulty || sound.ever_noisy) << seed;
+  }
 }
 
 TEST(HealthMonitor, NamesAGyroscopeWithMirroredOrSwappedAxes) {
@@ -102,6 +106,73 @@ TEST(HealthMonitor, NamesReadingsThatRepeatOrComeInAnotherUnit) {
   const Outcome in_g = run([](RawSample& s) { vec(s.acc_mps2) /= kStandardGravity_mps2; }, 1);
   EXPECT_EQ(in_g.acc, Fault::kUnits);
   EXPECT_EQ(in_g.ok_outside, 0);
+}
+
+/// A hand that turns the sensor this way and that for half a minute and lays it down; deg/s given as rad/s.
+TEST(HealthMonitor, SaysNeverOkWhileAUnitIsKnownToBeWrong) {
+  calib::OnlineCalibrator calibrator({}, {});
+  DirectLink link(calibrator);
+  Stages stages({}, calibrator.snapshot());
+  Processed out;
+  std::mt19937_64 engine(1);
+  std::normal_distribution<double> normal;
+  const auto noise = [&] { return Vec3(normal(engine), normal(engine), normal(engine)); };
+  Quat attitude = Quat::Identity();
+  int found = 0, ok = 0;
+  for (int k = 1; k < 9000; ++k) {
+    const double t = 0.01 * k;
+    const bool moves = (t > 5.0 && t < 35.0) || (t > 60.0 && t < 80.0);
+    const Vec3 rate =
+        moves ? Vec3(0.9 * std::sin(1.1 * t), 0.5 * std::sin(0.7 * t), 0.3 * std::cos(0.5 * t)) : Vec3::Zero();
+    attitude = attitude * exp_quat(0.01 * rate);
+    RawSample s;
+    s.t_ns = 10'000'000LL * k;
+    s.has = kAcc | kGyr;
+    s.acc_mps2 = array(Vec3(attitude.conjugate() * Vec3(0, 0, kStandardGravity_mps2) + 0.03 * noise()));
+    s.gyr_radps = array(Vec3(kDegPerRad * (rate + Vec3(0.002, -0.001, 0.003) + 0.0005 * noise())));
+    if (stages.process(s, out, link) == StageStatus::kDrop || stages.findings().empty()) continue;
+    ++found;
+    ok += to_message(out).status == AttitudeStatus::kOk ? 1 : 0;
+  }
+  EXPECT_GT(found, 7000) << "within fifteen seconds of use";
+  EXPECT_EQ(ok, 0);
+  EXPECT_EQ(out.health.gyr.fault, Fault::kUnits) << "at rest as well";
+}
+
+TEST(HealthMonitor, BelievesAGyroscopeAgainThatIsBackInItsUnit) {
+  const Outcome back = run(
+      [k = 0](RawSample& s) mutable {
+        if (++k < 3000) s.gyr_radps = array(Vec3(kDegPerRad * vec(s.gyr_radps)));
+      },
+      2);
+  EXPECT_TRUE(back.ever_faulty);
+  EXPECT_EQ(back.gyr, Fault::kNone);
+}
+
+TEST(HealthMonitor, NamesAnAccelerometerOrAGyroscopeThatHasBecomeNoisy) {
+  for (std::uint64_t seed = 1; seed <= 5; ++seed) {
+    std::mt19937 random(static_cast<unsigned>(seed));
+    std::normal_distribution<double> normal;
+    const auto noisy = [&](Array3 RawSample::*triad, double sd) {
+      return run(
+          [&, triad, sd](RawSample& s) {
+            for (double& x : s.*triad) x += sd * normal(random);
+          },
+          seed);
+    };
+    EXPECT_TRUE(noisy(&RawSample::acc_mps2, 0.9).ever_noisy) << seed;
+    EXPECT_TRUE(noisy(&RawSample::gyr_radps, 0.06).ever_noisy) << seed;
+  }
+}
+
+TEST(HealthMonitor, NamesAThermometerInKelvin) {
+  EXPECT_EQ(run(
+                [](RawSample& s) {
+                  s.temp_degC = 295.0 + 1e-10 * static_cast<double>(s.t_ns % 100'000'000'000), s.has |= kTemp;
+                },
+                1)
+                .temp,
+            Fault::kUnits);
 }
 
 TEST(HealthMonitor, NamesOneAxisThatSticksAndTheFilterLivesWithoutThatSensor) {

@@ -5,11 +5,12 @@
 
 #include "io/simulation_yaml.h"
 #include "simulation/simulator.h"
+#include "tests/source_folder.h"
 
 namespace stillpoint::test {
 
 inline std::vector<RawSample> hand_samples(double seconds, std::uint64_t seed = 1) {
-  auto config = io::read_simulation(STILLPOINT_SOURCE_DIR "/configs/sim_handheld.yaml");
+  auto config = io::read_simulation(in_source("configs/sim_handheld.yaml"));
   if (!config) throw std::runtime_error(config.error().message);
   config->motion->duration_s = seconds;
   std::vector<RawSample> samples;

@@ -18,7 +18,7 @@ fusion::AttitudeEstimate estimate(const Quat& q, const Vec3& sd_rad, HeadingRefe
   return e;
 }
 
-Vec3 turned(const fusion::AttitudeEstimate& e) { return log_quat(test::quat(e.q_world_body)); }
+Vec3 turned(const fusion::AttitudeEstimate& e) { return log_quat(quat(e.q_world_body)); }
 
 TEST(Smooth, TwoOfEqualWordMeetHalfway) {
   const Vec3 sd(0.02, 0.02, 0.02);
@@ -39,10 +39,10 @@ TEST(Smooth, ABackwardThatKnowsNoHeadingHelpsTheTiltAlone) {
   const Vec3 sd(0.02, 0.02, 0.02);
   const auto out = fused(estimate(exp_quat(Vec3(0.0, 0.0, 0.3)), sd, HeadingReference::kMagnetic),
                          estimate(backward, sd, HeadingReference::kRelative));
-  const Vec3 ahead = test::quat(out.q_world_body) * Vec3::UnitX();
+  const Vec3 ahead = quat(out.q_world_body) * Vec3::UnitX();
   EXPECT_NEAR(std::atan2(ahead.y(), ahead.x()), 0.3, 2e-3);
   EXPECT_NEAR(out.sigma_yaw_rad, 0.02, 1e-6);
-  const Vec3 up = test::quat(out.q_world_body).conjugate() * Vec3::UnitZ();
+  const Vec3 up = quat(out.q_world_body).conjugate() * Vec3::UnitZ();
   EXPECT_NEAR(std::hypot(up.x(), up.y()), 0.02, 2e-3);
 }
 

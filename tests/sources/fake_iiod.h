@@ -30,11 +30,15 @@ struct FakeDevice {
   std::function<std::string(std::int64_t k)> scan;
   /// By "channel/name", or "/name" of the device.
   std::map<std::string, std::string> attributes;
+  double opening_s = 0.0;  ///< so long it takes to answer to OPEN
 };
 
 class FakeIiod {
  public:
-  FakeIiod(std::vector<FakeDevice> devices, std::uint16_t port) : devices_(std::move(devices)), port_(port) { start(); }
+  FakeIiod(const std::vector<FakeDevice>& devices, std::uint16_t port)
+      : devices_(devices.begin(), devices.end()), port_(port) {
+    start();
+  }
   ~FakeIiod() { stop(); }
   FakeIiod(const FakeIiod&) = delete;
   FakeIiod& operator=(const FakeIiod&) = delete;
@@ -60,6 +64,12 @@ class FakeIiod {
     clients_.clear();
     close(listener_);
   }
+  /// A device that its driver makes later: who connects from now on sees it.
+  void add(const FakeDevice& device) {
+    const std::lock_guard lock(mutex_);
+    devices_.push_back(device);
+  }
+  [[nodiscard]] std::uint16_t port() const { return port_; }
   [[nodiscard]] bool listening() const { return listening_; }
   [[nodiscard]] std::string written(const std::string& what) {
     const std::lock_guard lock(mutex_);
@@ -93,12 +103,14 @@ class FakeIiod {
   }
 
   const FakeDevice* find(const std::string& id) const {
+    const std::lock_guard lock(mutex_);
     for (const auto& device : devices_)
       if (device.id == id) return &device;
     return nullptr;
   }
 
   [[nodiscard]] std::string xml() const {
+    const std::lock_guard lock(mutex_);
     std::string text = "<?xml version=\"1.0\" encoding=\"utf-8\"?><context name=\"fake\" description=\"fake\">";
     for (const auto& device : devices_) {
       text += "<device id=\"" + device.id + "\" name=\"" + device.name + "\">" + device.channels_xml;
@@ -120,6 +132,12 @@ class FakeIiod {
       std::string reply = "-22\n";
       if (command == "VERSION") reply = "0.24.fake000\n";
       if (command == "PRINT") reply = std::to_string(xml().size()) + "\n" + xml() + "\n";
+      if (command == "SET") {
+        std::string what, value;
+        words >> what >> value;
+        const std::lock_guard lock(mutex_);
+        written_[(device != nullptr ? device->name : "") + " " + what] = value;
+      }
       if (command == "TIMEOUT" || command == "SET" || command == "CLOSE") reply = "0\n";
       if (command == "GETTRIG") reply = "-19\n";
       if (command == "EXIT") break;
@@ -129,6 +147,7 @@ class FakeIiod {
         words >> samples >> mask;
         scan = 0;
         start_ns = monotonic_ns();
+        if (device != nullptr) pipeline::sleep_until_ns(start_ns + static_cast<std::int64_t>(1e9 * device->opening_s));
         reply = "0\n";
       }
       if (command == "READBUF" && device != nullptr) {
@@ -166,14 +185,14 @@ class FakeIiod {
     return std::to_string(value.size() + 1) + "\n" + value + std::string(1, '\0') + "\n";
   }
 
-  std::vector<FakeDevice> devices_;
+  std::list<FakeDevice> devices_;  // stay where they are when one is added
   std::uint16_t port_;
   int listener_ = -1;
   bool listening_ = false;
   std::atomic<bool> stopping_{false};
   std::thread acceptor_;
   std::list<std::thread> clients_;
-  std::mutex mutex_;
+  mutable std::mutex mutex_;
   std::map<std::string, std::string> written_;
 };
 

@@ -2,12 +2,14 @@
 
 #include <gtest/gtest.h>
 
+#include <atomic>
 #include <bit>
 #include <cmath>
 #include <cstring>
 
 #include "sources/iio_device.h"
 #include "sources/iio_values.h"
+#include "sources/reopening.h"
 #include "tests/sources/fake_iiod.h"
 #include "tests/sources/sources_testing.h"
 
@@ -146,6 +148,67 @@ TEST(IioSource, ThreeDevicesBecomeOneSourceThatIsLostAndFoundAgain) {
     EXPECT_EQ(source.report()->try_load()->link, LinkState::kGone);
     iiod.start();
   }
+}
+
+TEST(IioSource, ADeviceThatItsDriverMakesLaterJoinsTheOthers) {
+  for (const std::vector<std::string>& names : {std::vector<std::string>{}, {"accel_3d", "gyro_3d"}}) {
+    FakeIiod late({accelerometer()}, test::free_port());
+    io::IioParams params = params_of(late.port());
+    params.devices = names;
+    IioSource source(params, 0.2);
+    Arrival out;
+    ASSERT_TRUE(test::eventually_sample(source, out));
+    EXPECT_EQ(out.sample.has, kAcc);
+    late.add(gyroscope());
+    bool joined = false;
+    for (int k = 0; k < 4000 && !joined; ++k) joined = test::eventually_sample(source, out) && out.sample.has == kGyr;
+    EXPECT_TRUE(joined) << "with " << names.size() << " names";
+    EXPECT_EQ(source.report()->try_load()->opened, 1U) << "the accelerometer went on";
+  }
+}
+
+TEST(IioSource, AfterEachLossTheWaitIsShortAgain) {
+  const std::uint16_t port = test::free_port();
+  FakeIiod iiod({accelerometer()}, port);
+  IioSource source(params_of(port), 60.0);
+  Arrival out;
+  std::vector<std::int64_t> away_ns;
+  for (int loss = 0; loss < 7; ++loss) {
+    ASSERT_TRUE(test::eventually_sample(source, out, 30.0));
+    iiod.stop();
+    ASSERT_TRUE(test::eventually_state(source, out, SourceState::kGone));
+    iiod.start();
+    const std::int64_t began_ns = monotonic_ns();
+    ASSERT_TRUE(test::eventually_sample(source, out, 30.0));
+    away_ns.push_back(monotonic_ns() - began_ns);
+  }
+  // Doubled with each loss, the last three would be sixteen, 32 and 64 times as long as the first wait.
+  EXPECT_LT(*std::min_element(away_ns.end() - 3, away_ns.end()), 8 * Reopening::kFirst_ns);
+}
+
+TEST(IioSource, TheKernelKeepsASecondOfWhatIsNotFetched) {
+  const std::uint16_t port = test::free_port();
+  FakeIiod iiod({accelerometer()}, port);
+  IioSource source(params_of(port), 0.2);  // blocks of 0.02 s
+  Arrival out;
+  ASSERT_TRUE(test::eventually_sample(source, out));
+  EXPECT_EQ(iiod.written("accel_3d BUFFERS_COUNT"), "50");
+}
+
+TEST(IioSource, WhatCameWhileADeviceStartedIsTaken) {
+  const std::uint16_t port = test::free_port();
+  FakeDevice device = accelerometer();
+  device.opening_s = 0.3;  // a driver that waits until its sensor is awake, and collects meanwhile
+  std::atomic<std::int64_t> asked_ns{0};
+  device.scan = [scan = device.scan, &asked_ns](std::int64_t k) {
+    if (k == 0) asked_ns = monotonic_ns();
+    return scan(k).replace(16, 8, bytes_of(asked_ns - 250'000'000 + 5'000'000 * k));
+  };
+  FakeIiod iiod({device}, port);
+  IioSource source(params_of(port), 0.2);
+  Arrival out;
+  ASSERT_TRUE(test::eventually_sample(source, out));
+  EXPECT_EQ(out.sample.t_ns, asked_ns - 250'000'000) << "the first of all";
 }
 
 TEST(IioSource, ADeviceWithoutABufferIsPolled) {

@@ -43,6 +43,13 @@ TEST(Line, ARowMayHoldOneSensorAndATriadWithAMissingAxisIsNone) {
   EXPECT_EQ(format.parse("1,,,,,,", r), Piece::kIgnored);
 }
 
+TEST(Line, NamesThatAreNotKnownAreToldWithTheNearestThatIs) {
+  LineFormat format({});
+  EXPECT_EQ(format.unknown_names("time_ms,gyr_x_dps,accx_g,\"fan\""), "accx_g (acc_x_g?), \"fan\"");
+  EXPECT_EQ(format.unknown_names(R"({"time_ms": 1, "acc_g": [0, 0, 1], "gyr": {"x": 1}})"), "gyr.x");
+  EXPECT_EQ(LineFormat(columns({{"acc_x_g", "ax"}})).unknown_names("t,ax,ay"), "");
+}
+
 TEST(Line, HalfLinesGluedLinesAndGarbageAreMalformed) {
   const auto format = with_header("time_s,acc_x_mps2,acc_y_mps2,acc_z_mps2");
   Reading r;
@@ -69,6 +76,14 @@ TEST(Line, TheConfigurationNamesColumnsByPositionOrByTheStreamsOwnName) {
   ASSERT_EQ(named.parse("0\t3\t2\t1", r), Piece::kReading);
   EXPECT_FALSE(r.has_time);
   EXPECT_DOUBLE_EQ(r.sample.gyr_radps[0], kRadPerDeg);
+}
+
+TEST(Line, JsonMayNameTheAxesInAnInnerObject) {
+  LineFormat format({});
+  Reading r;
+  ASSERT_EQ(format.parse(R"({"acc_g": {"x": 0, "y": 0.5, "z": 1}})", r), Piece::kReading);
+  EXPECT_EQ(r.sample.has, kAcc);
+  EXPECT_DOUBLE_EQ(r.sample.acc_mps2[1], 0.5 * kStandardGravity_mps2);
 }
 
 TEST(Line, JsonHoldsReadingsFlatNestedOrInArrays) {

@@ -50,11 +50,50 @@ TEST(Ros2Convert, WhatACovarianceSaysIsNotMeasuredIsNoReading) {
   EXPECT_FALSE(from_ros2(m, true).has_time);
   sensor_msgs::msg::MagneticField field;
   field.magnetic_field().y(20e-6);
-  r = from_ros2(field);
+  r = from_ros2(field, true);
   EXPECT_EQ(r.sample.has, kMag);
   EXPECT_NEAR(r.sample.mag_uT[1], 20.0, 1e-9);
   EXPECT_EQ(dds_topic("/imu/data_raw"), "rt/imu/data_raw");
   EXPECT_EQ(dds_topic("a/imu"), "rt/a/imu");
+}
+
+TEST(Ros2Convert, APositiveCovarianceStatesTheNoiseUnlessItIsIgnored) {
+  sensor_msgs::msg::Imu m = imu(0);
+  EXPECT_EQ(from_ros2(m, true).noise, pipeline::StatedNoise{}) << "zeros: not known";
+  m.angular_velocity_covariance() = {1e-4, 0, 0, 0, 4e-4, 0, 0, 0, 1e-4};
+  m.linear_acceleration_covariance() = {0.01, 0, 0, 0, 0.01, 0, 0, 0, 0.09};
+  EXPECT_DOUBLE_EQ(from_ros2(m, true).noise.gyr_radps, 0.02) << "the largest";
+  EXPECT_DOUBLE_EQ(from_ros2(m, true).noise.acc_mps2, 0.3);
+  EXPECT_EQ(from_ros2(m, false).noise, pipeline::StatedNoise{});
+  EXPECT_EQ(from_ros2(m, true).refused_variance, 0.0);
+  sensor_msgs::msg::MagneticField field;
+  field.magnetic_field_covariance() = {1e-12, 0, 0, 0, 1e-12, 0, 0, 0, 4e-12};
+  EXPECT_NEAR(from_ros2(field, true).noise.mag_uT, 2.0, 1e-12) << "tesla squared";
+  EXPECT_EQ(from_ros2(field, false).noise.mag_uT, 0.0);
+  field.magnetic_field_covariance()[0] = -1.0;
+  EXPECT_EQ(from_ros2(field, true).sample.has, 0);
+  EXPECT_EQ(from_ros2(field, false).sample.has, kMag);
+}
+
+TEST(Ros2Convert, ACovarianceThatNoSensorHasIsRefusedAndTheReadingServes) {
+  constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+  for (const double variance : {-0.5, kNaN, std::numeric_limits<double>::infinity(), 99999.0}) {
+    sensor_msgs::msg::Imu m = imu(0);
+    m.angular_velocity_covariance()[4] = variance;
+    const Reading r = from_ros2(m, true);
+    EXPECT_EQ(r.sample.has, kAcc | kGyr);
+    EXPECT_EQ(r.noise, pipeline::StatedNoise{}) << variance;
+    EXPECT_EQ(r.refused_part, kGyr);
+    EXPECT_TRUE(r.refused_variance == variance || (std::isnan(r.refused_variance) && std::isnan(variance)));
+    EXPECT_EQ(from_ros2(m, false).refused_variance, 0.0);
+  }
+  sensor_msgs::msg::Imu m = imu(0);
+  m.linear_acceleration_covariance()[1] = kNaN;
+  EXPECT_NE(from_ros2(m, true).refused_variance, 0.0) << "beside the diagonal as well";
+  sensor_msgs::msg::MagneticField field;
+  field.magnetic_field_covariance()[8] = 0.25;  // uT^2, given as T^2
+  EXPECT_EQ(from_ros2(field, true).refused_part, kMag);
+  EXPECT_EQ(from_ros2(field, true).refused_variance, 0.25);
 }
 
 TEST(Ros2Source, ADriverInAnotherProcessIsHeardGoesAndIsHeardAgain) {

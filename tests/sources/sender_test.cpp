@@ -2,6 +2,7 @@
 
 #include "sources/splitter.h"
 #include "tests/dds/process.h"
+#include "tests/source_folder.h"
 #include "tests/sources/sources_testing.h"
 
 namespace stillpoint::sources {
@@ -9,8 +10,8 @@ namespace {
 
 TEST(Sender, TheOneOfTheDocumentsIsCompiledAndUnderstood) {
   const test::ScratchFolder folder;
-  test::Process compiler({"/usr/bin/cc", "-Wall", "-Wextra", "-Werror", "-o", folder / "send",
-                          STILLPOINT_SOURCE_DIR "/docs/senders/send_frames.c"});
+  test::Process compiler(
+      {"/usr/bin/cc", "-Wall", "-Wextra", "-Werror", "-o", folder / "send", in_source("docs/senders/send_frames.c")});
   ASSERT_EQ(compiler.wait(), 0);
   test::Process sender({folder / "send", "2000", "400"});
   const std::string bytes = sender.output();

@@ -1,6 +1,6 @@
-/// A driver as ROS 2 has them, for the tests: `ros2_driver DOMAIN SAMPLES RATE_HZ [KEYS]` publishes imu/data_raw, and
-/// imu/mag at a fifth of the rate. KEYS is its folder for DDS-Security. Printed at the end: how many samples it sent
-/// before it had met a subscriber.
+/// A driver as ROS 2 has them, for the tests: `ros2_driver DOMAIN SAMPLES RATE_HZ [KEYS [VARIANCE]]` publishes
+/// imu/data_raw, and imu/mag at a fifth of the rate. KEYS is its folder for DDS-Security, empty for none; VARIANCE is
+/// stated of the rate, (rad/s)^2. Printed at the end: how many samples it sent before it had met a subscriber.
 #include <stillpoint_idl/ros2PubSubTypes.h>
 
 #include <cstdio>
@@ -12,10 +12,11 @@
 
 int main(int argc, char** argv) {
   using namespace stillpoint;
-  if (argc != 4 && argc != 5) return 64;
+  if (argc < 4 || argc > 6) return 64;
   io::DdsParams params;
   params.domain = std::atoi(argv[1]);
-  if (argc == 5) params.security.folder = argv[4];
+  if (argc >= 5) params.security.folder = argv[4];
+  const double variance = argc == 6 ? std::atof(argv[5]) : 0.0;
   const int samples = std::atoi(argv[2]), rate_hz = std::atoi(argv[3]);
   const auto entities = io::DdsEntities::create(params, "udp", "driver");
   if (!entities) return std::fprintf(stderr, "%s\n", entities.error().message.c_str()), 69;
@@ -38,7 +39,10 @@ int main(int argc, char** argv) {
     header.stamp().nanosec(static_cast<std::uint32_t>(stamp_ns % 1'000'000'000));
     sensor_msgs::msg::Imu imu;
     imu.header(header);
-    imu.linear_acceleration().z(9.8);
+    const double noise = 0.001 * (k * 7 % 11 - 5);  // a living sensor never repeats itself for long
+    imu.linear_acceleration().z(9.8 + noise);
+    imu.angular_velocity().x(0.1 * noise);
+    imu.angular_velocity_covariance() = {variance, 0, 0, 0, variance, 0, 0, 0, variance};
     (*imu_writer)->write(&imu);
     if (k % 5 != 0) continue;
     sensor_msgs::msg::MagneticField mag;
