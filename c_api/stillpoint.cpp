@@ -133,9 +133,7 @@ int stillpoint_push(stillpoint_imu* s, const stillpoint_reading* reading) {
   raw.temp_degC = reading->temp_degC;
   raw.has = static_cast<std::uint8_t>(reading->has & (kAcc | kGyr | kMag | kTemp));
   Engine& engine = *s->engine;
-  const auto refused = [&engine] {
-    return engine.stages.guard().counts().refused + engine.stages.guard().counts().late;
-  };
+  const auto refused = [&engine] { return engine.stages.guard().counts().unused(); };
   const std::uint64_t before = refused();
   if (engine.stages.process(raw, s->processed, engine.link) == pipeline::StageStatus::kDrop)
     return raw.holds(kGyr) || refused() != before ? STILLPOINT_REFUSED : STILLPOINT_DONE;

@@ -12,8 +12,8 @@
     dashed: { dash: [4, 3] },
     dots: { paths: () => null },
   };
-  const series = (c) => Object.assign({ label: c.label, stroke: () => color(c.colour), width: 1.2,
-    points: c.mark === 'dots' ? { show: true, size: 3, stroke: () => color(c.colour), fill: () => color(c.colour) } : { show: false } }, marks[c.mark]);
+  const series = (few) => (c) => Object.assign({ label: c.label, stroke: () => color(c.colour), width: 1.2,
+    points: c.mark === 'dots' ? { show: true, size: few ? 9 : 3, stroke: () => color(c.colour), fill: () => color(c.colour) } : { show: false } }, marks[c.mark]);
 
   const shades = (x, shaded) => [(u) => {
     u.ctx.save();
@@ -34,7 +34,7 @@
     if (!box || p.x.length === 0) continue;
     const y = axis(p.y_label);
     plots.push({ box, plot: new uPlot({
-      width: box.clientWidth, height: 230, series: [{}].concat(p.curves.map(series)), legend: { live: false }, cursor: { drag: { x: true, y: false } },
+      width: box.clientWidth, height: 230, series: [{}].concat(p.curves.map(series(p.x.length < 40))), legend: { live: false }, cursor: { drag: { x: true, y: false } },
       axes: [axis(p.x_label), p.log_y ? Object.assign(y, { size: 62, values: powers }) : y],
       scales: { x: { time: false, distr: p.log_x ? 3 : 1 }, y: { distr: p.log_y ? 3 : 1 } },
       hooks: { drawClear: p.shaded.length ? shades(p.x, p.shaded) : [] },

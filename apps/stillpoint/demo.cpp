@@ -17,7 +17,7 @@
 #include "apps/stillpoint/json_text.h"
 #include "apps/stillpoint/options.h"
 #include "apps/stillpoint/outcome.h"
-#include "apps/stillpoint/watch_model.h"
+#include "apps/stillpoint/watch_text.h"
 #include "core/clock.h"
 #include "core/units.h"
 #include "io/config.h"

@@ -15,6 +15,7 @@
 #include "apps/stillpoint/simulated_log.h"
 #include "diagnosis/diagnose.h"
 #include "diagnosis/foreign/foreign.h"
+#include "diagnosis/heap.h"
 #include "diagnosis/improved.h"
 #include "diagnosis/report/report.h"
 #include "diagnosis/summary.h"
@@ -99,7 +100,9 @@ int diagnose_simulated_log(const Options& o, bool quiet, const io::Recording& re
   Progress progress("diagnosing");
   auto found = diag::diagnose_log(*log, recording, o.without, [&progress](double share) { progress.at(share); });
   if (!found) return report({found.error().kind, o.simulated + ": " + found.error().message});
-  for (const auto& line : io::describe(recording.issues)) found->answer.diagnosis.notices.push_back(line);
+  auto& notices = found->answer.diagnosis.notices;
+  for (const auto& line : io::describe(recording.issues)) notices.push_back(line);
+  for (const auto& line : io::describe(log->issues)) notices.push_back(o.simulated + ": " + line);
   return tell(o, quiet, found->answer, [&] { return io::write_recording(found->improved, o.improved); });
 }
 
@@ -124,6 +127,7 @@ int run_diagnose(const Options& o) {
   if (!quiet) return report(quiet.error());
   for (const auto& path : {json, o.report, o.improved})
     if (const auto writable = io::expect_writable(path); !writable) return report(writable.error());
+  diag::keep_freed_memory();
   if (o.recordings.size() > 1) {
     for (const auto& [given, option] : {std::pair{!o.simulated.empty(), "--simulated"},
                                         {!o.report.empty(), "--report"},

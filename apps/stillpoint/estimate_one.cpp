@@ -65,10 +65,8 @@ class Writer {
       const Eigen::Vector4d& q = recording_.ref_q_world_body[row];
       fusion::AttitudeEstimate truth;
       truth.q_world_body = {q[0], q[1], q[2], q[3]};
-      const auto of = [](const fusion::AttitudeEstimate& e) {
-        return Quat(e.q_world_body[0], e.q_world_body[1], e.q_world_body[2], e.q_world_body[3]);
-      };
-      moment.off_rad = log_quat(of(pipeline::in_frame(truth, frame_)) * of(estimate).conjugate());
+      moment.off_rad =
+          log_quat(quat(pipeline::in_frame(truth, frame_).q_world_body) * quat(estimate.q_world_body).conjugate());
       if (estimate.heading == HeadingReference::kRelative)
         moment.off_rad->z() = std::numeric_limits<double>::quiet_NaN();
     }

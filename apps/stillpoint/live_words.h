@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <nlohmann/json.hpp>
+#include <string>
 #include <string_view>
 
 #include "core/attitude_message.h"
@@ -17,6 +18,11 @@ inline constexpr std::array kSensorUnit{"m/s^2", "deg/s", "uT"};
 /// From the wire any number may come.
 inline std::string_view word(CalibrationStatus status) {
   return status <= CalibrationStatus::kReplaced ? name(status) : "unknown";
+}
+
+inline std::string health_words(const SensorHealth& h) {
+  if (h.fault == Fault::kNone) return std::string(name(h.state));
+  return std::string(name(h.state)) + ": " + std::string(name(h.fault));
 }
 
 /// Roll, pitch, yaw (rad) in the order z, y, x of REP-103; yaw 0 is east, counter-clockwise positive.

@@ -147,6 +147,9 @@ Result<void> write_proof(const Options& o, const std::string& text, const std::v
 }
 
 int prove(const Options& o) {
+  if (o.only == kInvented && (!o.report.empty() || !o.folder.empty() || o.limits || o.real_parts))
+    return report(
+        {ErrorKind::kUsage, "--only invented takes --cases, --salt and --quick alone: it prints all it knows"});
   if (const auto writable = io::expect_writable(o.report); !writable) return report(writable.error());
   std::string room_name = (fs::temp_directory_path() / "stillpoint-prove-XXXXXX").string();
   if (mkdtemp(room_name.data()) == nullptr)

@@ -1,6 +1,7 @@
 #include "apps/stillpoint/prove_invented.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <atomic>
@@ -48,9 +49,10 @@ diag::InventedScore solved(const diag::InventedCase& c, const fs::path& room) {
 }
 
 std::string told(const diag::InventedCase& c, const diag::InventedScore& s) {
-  if (c.clean) return fmt::format("{}  clean{}", c.id, s.spoke ? ": something was stated" : "");
-  return fmt::format("{}  {} {}  {:.1f} of the noise: R^2 {:.3f}{}{}", c.id, c.sensor, c.law, c.rms_over_noise, s.r2,
-                     s.drivers_right ? "" : ", other drivers", s.spoke ? "" : ", nothing stated");
+  const std::string said = s.said.empty() ? "nothing stated" : fmt::format("stated: {}", fmt::join(s.said, "; "));
+  if (c.clean) return fmt::format("{}  clean: {}", c.id, said);
+  return fmt::format("{}  {} {}  {:.1f} of the noise: R^2 {:.3f}{}; {}", c.id, c.sensor, c.law, c.rms_over_noise, s.r2,
+                     s.drivers_right ? "" : ", other drivers", said);
 }
 
 }  // namespace

@@ -16,11 +16,6 @@ std::string duration(double s) {
 
 std::array<const SensorHealth*, 3> sensors(const SensorsHealth& h) { return {&h.acc, &h.gyr, &h.mag}; }
 
-std::string health_words(const SensorHealth& h) {
-  if (h.fault == Fault::kNone) return std::string(name(h.state));
-  return fmt::format("{}: {}", name(h.state), name(h.fault));
-}
-
 std::string sensor_lines(const DiagnosticsMessage& d, const CalibrationMessage& calibration) {
   std::string out = "sensor  health                  calibration\n";
   const auto triad = triads(calibration.snapshot);

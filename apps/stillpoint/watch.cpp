@@ -10,7 +10,8 @@
 #include "apps/stillpoint/json_text.h"
 #include "apps/stillpoint/options.h"
 #include "apps/stillpoint/outcome.h"
-#include "apps/stillpoint/watch_model.h"
+#include "apps/stillpoint/screen.h"
+#include "apps/stillpoint/watch_text.h"
 #include "core/clock.h"
 #include "io/dds_subscriber.h"
 #include "io/text_file.h"
@@ -37,9 +38,9 @@ bool wait_for(double seconds, const Condition& condition) {
   return true;
 }
 
-int print(const WatchState& state, const std::string& json_path) {
+int print(const WatchState& state, const std::deque<CurvePoint>& curve, const std::string& json_path) {
   const bool lines = json_path == "-";  // one state a line
-  const auto written = json_path.empty() ? io::write_text_file("-", text_view(state))
+  const auto written = json_path.empty() ? io::write_text_file("-", text_view(state, curve, takes_colour()))
                                          : io::write_text_file(json_path, json_text(json_view(state), lines ? -1 : 2));
   return written ? 0 : report(written.error());
 }
@@ -50,7 +51,7 @@ int watch_once(const WatchOptions& options, const WatchModel& model, const io::D
     return report({ErrorKind::kUnavailable,
                    nothing_arrives(options.dds, options.dds.attitude_topic, subscriber.publishers() > 0)});
   wait_for(options.seconds > 0 ? options.seconds : 1.0, [] { return false; });
-  return print(model.state(monotonic_ns()), options.json.file());
+  return print(model.state(monotonic_ns()), {}, options.json.file());
 }
 
 int watch_live(const WatchOptions& options, const WatchModel& model, const io::DdsSubscriber& subscriber) {
@@ -58,10 +59,12 @@ int watch_live(const WatchOptions& options, const WatchModel& model, const io::D
   const double step_s = terminal ? 0.2 : 1.0;
   const std::int64_t start_ns = monotonic_ns();
   bool told = false;
+  PageModel page;
   while (!stop_asked()) {
     wait_for(step_s, [] { return false; });
     const std::int64_t now_ns = monotonic_ns();
     const WatchState state = model.state(now_ns);
+    page.take(state, 1e-9 * static_cast<double>(now_ns - start_ns));
     if (state.received == 0) {
       if (!told && now_ns - start_ns > 1'000'000'000) {
         tell("stillpoint: waiting: " +
@@ -70,7 +73,7 @@ int watch_live(const WatchOptions& options, const WatchModel& model, const io::D
       }
     } else {
       if (terminal) std::fputs("\033[H\033[2J", stdout);
-      if (const int code = print(state, options.json.file()); code != 0) return code;
+      if (const int code = print(state, page.curve(), options.json.file()); code != 0) return code;
     }
     if (options.seconds > 0 && 1e-9 * static_cast<double>(now_ns - start_ns) >= options.seconds) break;
   }

@@ -1,4 +1,4 @@
-/// What `stillpoint watch` knows about a daemon from its messages, and the two ways to show it.
+/// What `stillpoint watch` knows about a daemon from its messages, and the same for scripts.
 #pragma once
 #include <cstdint>
 #include <deque>
@@ -43,8 +43,6 @@ class WatchModel {
   std::deque<std::int64_t> last_second_ns_;  ///< times of receipt
 };
 
-/// Several lines for a person, in degrees.
-[[nodiscard]] std::string text_view(const WatchState& state);
 /// For scripts: SI and radians, null where there is no value.
 [[nodiscard]] nlohmann::json json_view(const WatchState& state);
 

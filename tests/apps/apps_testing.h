@@ -13,6 +13,7 @@
 #include "io/dds_domain.h"
 #include "tests/dds/process.h"
 #include "tests/scratch_folder.h"
+#include "tests/source_folder.h"
 
 namespace stillpoint::test {
 
@@ -22,8 +23,8 @@ inline std::string read_file(const std::string& path) {
   text << std::ifstream(path).rdbuf();
   return text.str();
 }
-inline std::string configs(const std::string& name) { return std::string(STILLPOINT_SOURCE_DIR "/configs/") + name; }
-inline std::string handheld() { return STILLPOINT_SOURCE_DIR "/../shared/recordings/handheld_9axis/sensor_data.csv"; }
+inline std::string configs(const std::string& name) { return in_source("configs/") + name; }
+inline std::string handheld() { return in_source("../shared/recordings/handheld_9axis/sensor_data.csv"); }
 
 /// Standard error goes into a file; the exit code comes back.
 inline int run(const std::string& command, const std::string& stderr_file) {

@@ -117,6 +117,20 @@ TEST_F(Commands, AnImprovedSimulationIsJudgedOnAnotherRecording) {
   EXPECT_THAT(read_file(folder_ / "better.yaml"), HasSubstr("acc_lever"));
 }
 
+TEST_F(Commands, AnImprovedSimulationIsOneWithoutFault) {
+  const std::string sensors =
+      "accelerometer: {noise_mps2: 0.02}\ngyroscope: {noise_radps: 0.001}\nmagnetometer: {noise_uT: 0.3}\n"
+      "motion: {kind: hand, duration_s: 60}\n";
+  write_file(folder_ / "plain.yaml", sensors);
+  write_file(folder_ / "real.yaml", sensors + "effects: [{effect: mag_hold, n: 2.8}]\n");  // of a resampled file
+  ASSERT_EQ(tool("simulate --simulation real.yaml --output rec.csv"), 0) << told_;
+  ASSERT_EQ(tool("diagnose --simulation plain.yaml --recording rec.csv --improved better.yaml > out"), 0) << told_;
+  EXPECT_THAT(read_file(folder_ / "better.yaml"), ::testing::ContainsRegex("effect: mag_hold, n: 2\\.(8|79)"));
+  EXPECT_EQ(tool("check better.yaml > out"), 0) << told_ << read_file(folder_ / "better.yaml");
+  EXPECT_EQ(tool("diagnose --simulation better.yaml --recording rec.csv --fail-on-mismatch > out"), 0)
+      << told_ << read_file(folder_ / "out");
+}
+
 TEST_F(Commands, AFullStandardOutputIsToldAndAFullStandardErrorEndsNothing) {
   write_simulation();
   ASSERT_EQ(tool("simulate --simulation sim.yaml --output rec.csv"), 0) << told_;
@@ -156,6 +170,7 @@ TEST_F(Commands, AProofThatCannotBeginSaysSoAndLeavesNothing) {
   write_file(folder_ / "cases/cases/001.csv", "");
   const std::string prove = "prove --cases 1 --quick ";
   EXPECT_EQ(tool(prove + "--report no/page.html > out"), 73);
+  EXPECT_EQ(tool(prove + "--only invented --report page.html > out"), 64) << "it has no page, and says so";
   EXPECT_EQ(read_file(folder_ / "out"), "");  // before the first case, not after the last
   EXPECT_EQ(tool(prove + "--folder cases > out", "TMPDIR=tmp " STILLPOINT), 66);
   EXPECT_THAT(told_, HasSubstr("cases/truth/001.json: cannot be opened"));

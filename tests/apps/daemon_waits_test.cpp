@@ -39,7 +39,7 @@ TEST_F(DaemonWaits, APipeThatNobodyReadsCostsLinesAndNeitherSamplesNorTheEnd) {
 
 TEST_F(DaemonWaits, ADiskThatTakesSecondsToSyncCostsNoAttitude) {
 #ifdef __SANITIZE_ADDRESS__
-  GTEST_SKIP() << "SKIPPED: the sanitizer wants to be the first library";
+  GTEST_SKIP() << "LOUD: SKIPPED: the sanitizer wants to be the first library";
 #endif
   configure("", "5");
   auto daemon = start("LD_PRELOAD=" SLOW_DISK " ");
@@ -60,7 +60,8 @@ TEST_F(DaemonWaits, ADiskThatTakesSecondsToSyncCostsNoAttitude) {
 
 TEST_F(DaemonWaits, AnAddressThatIsNotThereYetIsWaitedForAndServedWhenItComes) {
   const NetworkNamespace network;
-  if (!network.ready()) GTEST_SKIP() << "SKIPPED: no network namespace of one's own here (root and `ip` are needed)";
+  if (!network.ready())
+    GTEST_SKIP() << "LOUD: SKIPPED: no network namespace of one's own here (root and `ip` are needed)";
   configure("", "1");
   std::string text = read_file(scratch_ / "d.yaml");
   text.replace(text.find("ros2: false"), 11, "ros2: false, interface: 10.77.0.2");

@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "tests/daemon/daemon_fixture.h"
+#include "tests/source_folder.h"
 
 namespace stillpoint::test {
 namespace {
@@ -211,7 +212,7 @@ TEST_F(Page, IsDrawnByABrowserAtBothWidthsAndTellsStaleAndLost) {
   open();
   ASSERT_TRUE(becomes("live")) << state().dump();
   const std::string address = address_.substr(0, address_.find('\n'));
-  Process browser({"/usr/bin/env", "python3", STILLPOINT_SOURCE_DIR "/tests/apps/page_browser.py", address});
+  Process browser({"/usr/bin/env", "python3", in_source("tests/apps/page_browser.py"), address});
   ASSERT_EQ(browser.some_output(), "drawn\n") << browser.output();
   EXPECT_EQ(end(*daemon), 0);
   ASSERT_EQ(browser.some_output(), "stale\n") << browser.output();

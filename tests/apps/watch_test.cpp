@@ -1,10 +1,12 @@
 /// The commands that listen to a daemon: what they print and write, through a discovery server, with keys and without.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <pty.h>
 #include <unistd.h>
 
 #include <filesystem>
 #include <nlohmann/json.hpp>
+#include <regex>
 
 #include "io/recording.h"
 #include "tests/apps/apps_testing.h"
@@ -35,6 +37,62 @@ TEST(Watch, OnceGivesOneJsonObjectWithAttitudeCalibrationAndLatency) {
   EXPECT_EQ(json["attitude"]["heading_reference"], "true");
   EXPECT_EQ(json["diagnostics"]["samples"], 2500);
   EXPECT_GT(json["latency_us"]["p99"].get<double>(), 0.0);
+}
+
+/// What the command prints into a terminal of 80 columns and 24 lines, until it ends.
+std::string in_terminal(const std::string& command) {
+  const winsize size{.ws_row = 24, .ws_col = 80, .ws_xpixel = 0, .ws_ypixel = 0};
+  int terminal = -1;
+  const pid_t child = forkpty(&terminal, nullptr, nullptr, &size);
+  if (child == 0) {
+    execl("/bin/sh", "sh", "-c", ("exec " + command).c_str(), nullptr);
+    _exit(127);
+  }
+  std::string all;
+  std::array<char, 4096> part{};
+  for (ssize_t n = 0; (n = read(terminal, part.data(), part.size())) > 0;)
+    all.append(part.data(), static_cast<std::size_t>(n));
+  close(terminal);
+  waitpid(child, nullptr, 0);
+  return all;
+}
+
+/// The screens one after the other, without colours, each as its lines.
+std::vector<std::vector<std::string>> screens(const std::string& shown) {
+  const std::string cleared = "\033[H\033[2J";
+  std::vector<std::vector<std::string>> out;
+  for (auto at = shown.find(cleared); at != std::string::npos;) {
+    const auto next = shown.find(cleared, at + 1);
+    std::istringstream lines(std::regex_replace(shown.substr(at + cleared.size(), next - at - cleared.size()),
+                                                std::regex("\033\\[[0-9;]*m|\r"), ""));
+    out.emplace_back();
+    for (std::string line; std::getline(lines, line);) out.back().push_back(line);
+    at = next;
+  }
+  return out;
+}
+
+TEST(Watch, FitsATerminalOf80ColumnsAnd24LinesWithColourAndTrend) {
+  Process daemon({DDS_PEER, "publish", domain(), "udp", "60", "200"});
+  const std::string watch = STILLPOINT " watch --seconds 3 --domain " + domain();
+  const std::string shown = in_terminal(watch);
+  const auto all = screens(shown);
+  ASSERT_GT(all.size(), 3U) << shown;
+  for (const auto& lines : all) {
+    EXPECT_LT(lines.size(), 24U) << testing::PrintToString(lines);  // the cursor stands on the last one
+    for (const std::string& line : lines) {
+      EXPECT_LE(line.size(), 80U) << line;
+      EXPECT_EQ(line.find('\033'), std::string::npos) << line;
+    }
+  }
+  const std::string last = testing::PrintToString(all.back());
+  for (const char* words : {"roll", "last 3 s, . low # high", "trouble: what is learnt is not kept", "not_observable",
+                            "the rotations seen lie around one axis", "faulty", "latency p50"})
+    EXPECT_THAT(last, HasSubstr(words));
+  EXPECT_THAT(shown, HasSubstr("\033[33mdegraded\033[0m"));
+  EXPECT_THAT(shown, testing::Not(HasSubstr("\r\r")));
+  const std::string plain = in_terminal("env NO_COLOR=1 " + watch);
+  EXPECT_THAT(plain, testing::AllOf(HasSubstr("degraded"), testing::Not(HasSubstr("\033[33m"))));
 }
 
 TEST(Watch, SaysWhatItWaitsForAndEndsWith69WhenNothingIsThere) {

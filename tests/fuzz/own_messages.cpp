@@ -7,6 +7,7 @@
 #include "apps/stillpoint/page_model.h"
 #include "apps/stillpoint/status_view.h"
 #include "apps/stillpoint/watch_model.h"
+#include "apps/stillpoint/watch_text.h"
 #include "io/dds_convert.h"
 #include "tests/fuzz/cdr.h"
 #include "tests/fuzz/fuzz.h"
@@ -56,7 +57,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     page.take(model.state(now_ns), t_s);
   }
   const app::WatchState state = model.state(2'000'000'000);
-  fuzz::expect(is_plain(app::text_view(state)), "a terminal is not steered by a message");
+  fuzz::expect(is_plain(app::text_view(state, page.curve())), "a terminal is not steered by a message");
   fuzz::expect(nlohmann::json::accept(app::json_text(app::json_view(state))), "what a script reads is JSON");
   if (!state.diagnostics || !state.calibration) return 0;
   fuzz::taken();

@@ -20,9 +20,11 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     if (kind % 2 == 0 && fuzz::deserialize<sensor_msgs::msg::ImuPubSubType>(payload, imu))
       reading = sources::from_ros2(imu, kind % 4 == 0);
     if (kind % 2 == 1 && fuzz::deserialize<sensor_msgs::msg::MagneticFieldPubSubType>(payload, field))
-      reading = sources::from_ros2(field);
+      reading = sources::from_ros2(field, kind % 4 == 1);
     for (const auto* vector : {&reading.sample.acc_mps2, &reading.sample.gyr_radps, &reading.sample.mag_uT})
       fuzz::expect(vec(*vector).allFinite(), "a reading is finite");
+    for (const double sd : {reading.noise.acc_mps2, reading.noise.gyr_radps, reading.noise.mag_uT})
+      fuzz::expect(sd >= 0.0 && sd <= 1000.0, "a noise is one");
     if (reading.sample.has != 0 && stamps.stamp(reading, arrival_ns, 1)) fuzz::taken();
     if (kind >= 0xf0) stamps.restart();  // the driver went and came back
   }

@@ -51,6 +51,12 @@ const curves = (() => {
     return [middle - half, middle + half];
   };
 
+  // Within half a turn; over a whole turn and more the angles run on, or two lines would bear the same number.
+  const angleText = (ticks) => {
+    const runsOn = ticks[ticks.length - 1] - ticks[0] >= 360;
+    return (d) => String(Math.round((runsOn ? d : withinTurn(d)) * 100) / 100).replace('-', '−');
+  };
+
   function create() {
     ANGLES.forEach(([name, color], axis) => {
       const box = byId('curve-' + name);
@@ -62,7 +68,7 @@ const curves = (() => {
         series: [{}, plain(name, { width: 1.8 }), plain('+3 sigma', { width: 0.8 }), plain('-3 sigma', { width: 0.8 })],
         bands: [{ series: [2, 3], fill: () => colors[color] + '33' }],
         axes: [scaled(30, { incrs: [5, 10], space: 45, values: (u, v) => v.map((s) => (s === 0 ? 'now' : '−' + -s + ' s')) }),
-               scaled(52, { incrs: [0.1, 0.2, 0.5, 1, 2, 5, 10, 15, 30, 45, 90, 180, 360, 720], space: 28, label: name + ', °', labelSize: 18, labelFont: '12px system-ui', values: (u, v) => v.map((d) => String(Math.round(withinTurn(d) * 100) / 100).replace('-', '−')) })],
+               scaled(52, { incrs: [0.1, 0.2, 0.5, 1, 2, 5, 10, 15, 30, 45, 90, 180, 360, 720], space: 28, label: name + ', °', labelSize: 18, labelFont: '12px system-ui', values: (u, v) => v.map(angleText(v)) })],
         hooks: { drawClear: [shadeRests] },
       };
       plots.push({ box, axis, plot: new uPlot(options, [[], [], [], []], box) });
