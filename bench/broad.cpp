@@ -10,6 +10,7 @@
 #include "bench/baselines.h"
 #include "bench/broad_run.h"
 #include "bench/broad_score.h"
+#include "tests/source_folder.h"
 
 namespace stillpoint::bench {
 namespace {
@@ -148,7 +149,7 @@ void print_text(const std::vector<Trial>& trials, const std::vector<Row>& rows, 
       held_out.total, held_out.heading, held_out.inclination);
   fmt::print(
       "6D: one constant heading offset is taken out, since the heading is arbitrary.\n"
-      "VQF 2.1.1 on the same 16 trials, measured elsewhere (docs/attitude.md): 2.623 / 2.472 / 0.732, "
+      "VQF 2.1.1 on the same 16 trials, measured elsewhere (docs/attitude_figures.md): 2.623 / 2.472 / 0.732, "
       "tuned on these very trials 1.990 total.\n");
 }
 
@@ -158,7 +159,7 @@ void print_text(const std::vector<Trial>& trials, const std::vector<Row>& rows, 
 int main(int argc, char** argv) {
   using namespace stillpoint;
   using namespace stillpoint::bench;
-  std::string folder = STILLPOINT_SOURCE_DIR "/../shared/recordings/broad";
+  std::string folder = stillpoint::in_source("../shared/recordings/broad");
   bool json = false;
   CLI::App app{"Attitude error on BROAD, the filter beside its peers"};
   app.add_option("--recordings", folder, "folder of BROAD's recordings (.csv)")->capture_default_str();

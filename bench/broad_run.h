@@ -30,7 +30,7 @@ inline std::vector<Quat> run_stillpoint(const io::Recording& recording, const fu
   for (std::size_t i = 0; i < recording.size(); ++i) {
     const RawSample raw = recording.sample(i);
     rest.push(raw, calibration);
-    const fusion::Array4 q = filter.step(corrected(raw, calibration), rest.at_rest()).q_world_body;
+    const Array4 q = filter.step(corrected(raw, calibration), rest.at_rest()).q_world_body;
     out.emplace_back(q[0], q[1], q[2], q[3]);
   }
   return out;

@@ -7,6 +7,7 @@
 
 #include "bench/arguments.h"
 #include "diagnosis/diagnose.h"
+#include "diagnosis/heap.h"
 #include "io/simulated_recording.h"
 
 namespace stillpoint::bench {
@@ -68,5 +69,6 @@ int main(int argc, char** argv) {
   app.add_option("--minutes", minutes, "length of the recording")->check(CLI::Range(1.0, 120.0));
   app.add_option("--below", below_s, "end with 1 when it takes more seconds of processor than this");
   if (const auto end = stillpoint::bench::parse(app, argc, argv)) return *end;
+  stillpoint::diag::keep_freed_memory();
   return stillpoint::bench::run(reference, minutes, below_s);
 }

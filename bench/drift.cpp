@@ -12,6 +12,7 @@
 #include "bench/broad_run.h"
 #include "tests/fusion/random_motion.h"
 #include "tests/pipeline/simulated_run.h"
+#include "tests/source_folder.h"
 
 namespace stillpoint::bench {
 namespace {
@@ -42,7 +43,7 @@ double heading_drift(bool still, double seconds) {
     for (int i = 0; i < n; ++i) {
       const bool rests = still || i < settle;
       const fusion::AttitudeEstimate e = filter.step(motion.next(rests), rests);
-      const Quat difference = motion.q_world_body() * test::quat(e.q_world_body).conjugate();
+      const Quat difference = motion.q_world_body() * quat(e.q_world_body).conjugate();
       if (i == settle) start = difference;
       error = log_quat(difference * start.conjugate());
     }
@@ -150,8 +151,8 @@ Verdict compare(const Figures& measured, const nlohmann::json& limits) {
 
 int main(int argc, char** argv) {
   using namespace stillpoint::bench;
-  std::string limits_file = STILLPOINT_SOURCE_DIR "/bench/drift_limits.json";
-  std::string folder = STILLPOINT_SOURCE_DIR "/../shared/recordings/broad";
+  std::string limits_file = stillpoint::in_source("bench/drift_limits.json");
+  std::string folder = stillpoint::in_source("../shared/recordings/broad");
   bool json = false;
   CLI::App app{"Drift, bias and attitude error against stored limits; exit 1 when one is worse"};
   app.add_option("--limits", limits_file, "the stored figures (.json)")->capture_default_str();

@@ -1,7 +1,8 @@
-/// drill [--seeds N] [--first-seed N] [--faults NAME...] [--check FILE] [--json]: every fault of drill_faults.h in a
-/// hand's motion, through all stages: whether and when it is seen, what the attitude loses, whether that was stated,
-/// and how soon it is whole again. --check fails where a fault misses what is required of every fault; FILE lists those
-/// that are known to, with the figures that they must not fall behind.
+/// drill [--seeds N] [--first-seed N] [--on SET] [--faults NAME...] [--check FILE] [--json]: every fault of
+/// drill_faults.h in a hand's motion, or in each recording of a set, through all stages: whether and when it is seen,
+/// what the attitude loses, whether that was stated, and how soon it is whole again. --check fails where a fault misses
+/// what is required of every fault; FILE lists those that are known to, with the figures that they must not fall
+/// behind.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -13,6 +14,7 @@
 #include "bench/portfolio_run.h"
 #include "bench/portfolio_sets.h"
 #include "core/units.h"
+#include "tests/source_folder.h"
 
 namespace stillpoint::bench {
 namespace {
@@ -25,6 +27,7 @@ struct Options {
   unsigned seeds = 50, first_seed = 1;
   std::vector<std::string> faults;
   std::string known_shortfalls;
+  std::string set, recordings = stillpoint::in_source("../shared/recordings");
   bool json = false;
 };
 
@@ -53,10 +56,21 @@ bool says_so(const pipeline::Processed& p) {
          p.health.mag.state == Health::kAbsent || p.attitude.heading != HeadingReference::kMagnetic;
 }
 
-Run run_once(const DrillFault* fault, unsigned seed) {
-  Series series = hand_series(seed);
+/// By row; null where the reference says nothing.
+std::vector<const Truth*> truths_by_row(const Series& series) {
+  std::vector<const Truth*> of_row(series.rows.size(), nullptr);
+  std::size_t row = 0;
+  for (const Truth& truth : series.truths) {
+    while (row < of_row.size() && series.rows[row].t_ns < truth.t_ns) ++row;
+    if (row < of_row.size() && series.rows[row].t_ns == truth.t_ns) of_row[row] = &truth;
+  }
+  return of_row;
+}
+
+Run run_once(const DrillFault* fault, unsigned seed, Series series) {
   std::mt19937 random(seed);
-  for (std::size_t k = 0; k < series.rows.size(); ++k) series.rows[k].sequence = k;  // truths[k] is of rows[k]
+  const std::vector<const Truth*> truth_of = truths_by_row(series);
+  for (std::size_t k = 0; k < series.rows.size(); ++k) series.rows[k].sequence = k;  // a fault moves and drops rows
   const std::int64_t zero_ns = series.rows.front().t_ns;
   if (fault != nullptr) fault->apply(series.rows, kFault, random);
   Run run;
@@ -67,10 +81,11 @@ Run run_once(const DrillFault* fault, unsigned seed) {
   double judged = 0.0, inside = 0.0, deceived_from_s = INFINITY, well_from_s = INFINITY;
   for (const RawSample& row : series.rows) {
     if (stages.process(row, p, link) == pipeline::StageStatus::kDrop) continue;
-    const Truth& truth = series.truths[p.sample.sequence];
-    const double t_s = kSecondsPerNs * static_cast<double>(truth.t_ns - zero_ns);
+    const Truth* truth = truth_of[p.sample.sequence];
+    if (truth == nullptr) continue;
+    const double t_s = kSecondsPerNs * static_cast<double>(truth->t_ns - zero_ns);
     if (t_s < kFault.from_s) continue;
-    const Judged j = judge(truth.q_world_body, p);
+    const Judged j = judge(truth->q_world_body, p);
     const bool held = j.tilt_inside && j.heading_inside;
     judged += 1.0;
     inside += held ? 1.0 : 0.0;
@@ -151,13 +166,39 @@ std::string shortfall(const Figures& f, bool must_be_seen, const nlohmann::json&
   return out;
 }
 
-std::vector<Run> runs_of(const DrillFault* fault, const Options& options) {
+/// One run a seed, or one a recording of the set.
+std::vector<Run> runs_of(const DrillFault* fault, const Options& options, const std::vector<Series>& recorded) {
   std::vector<Run> runs;
-  for (unsigned k = 0; k < options.seeds; ++k) runs.push_back(run_once(fault, options.first_seed + k));
+  unsigned seed = options.first_seed;
+  for (const Series& series : recorded) runs.push_back(run_once(fault, seed++, series));
+  for (; options.set.empty() && seed < options.first_seed + options.seeds; ++seed)
+    runs.push_back(run_once(fault, seed, hand_series(seed)));
   return runs;
 }
 
+/// Those of the set that are long enough for the fault and for half a minute after it, and have a reference in their
+/// rows.
+std::vector<Series> recorded_of(const Options& options) {
+  std::vector<Series> out;
+  if (options.set.empty()) return out;
+  for (PortfolioSet& set :
+       recorded_sets(options.recordings, [&](const std::string& name) { return name == options.set; }))
+    for (Series& series : set.series) {
+      const double length_s = kSecondsPerNs * static_cast<double>(series.rows.back().t_ns - series.rows.front().t_ns);
+      const auto truths = truths_by_row(series);
+      const auto known = truths.size() - static_cast<std::size_t>(std::count(truths.begin(), truths.end(), nullptr));
+      if (length_s > kFault.to_s + 30.0 && 2 * known > truths.size()) out.push_back(std::move(series));
+    }
+  return out;
+}
+
 int run(const Options& options) {
+  const std::vector<Series> recorded = recorded_of(options);
+  if (!options.set.empty() && recorded.empty()) {
+    fmt::print(stderr, "{}: no recording of 110 s with a reference in its rows in the set '{}' ({})\n",
+               options.recordings, options.set, "broad, phones, phones magnets, phones running");
+    return 2;
+  }
   nlohmann::json known = nlohmann::json::object();
   if (!options.known_shortfalls.empty()) known = nlohmann::json::parse(std::ifstream(options.known_shortfalls));
   nlohmann::json out{{"schema", "stillpoint.drill/1"}, {"seeds", options.seeds}, {"faults", nlohmann::json::object()}};
@@ -169,7 +210,7 @@ int run(const Options& options) {
   const auto measure = [&](const std::string& name, const DrillFault* fault) {
     if (!wanted(name)) return;
     const double required_s = fault != nullptr ? fault->seen_s : 0.0;
-    const Figures f = figures(runs_of(fault, options), required_s);
+    const Figures f = figures(runs_of(fault, options, recorded), required_s);
     if (!options.json) print_line(name, required_s, f);
     out["faults"][name] = json_of(f);
     const std::string behind = shortfall(f, required_s > 0.0, known.value(name, nlohmann::json()));
@@ -193,6 +234,8 @@ int main(int argc, char** argv) {
   CLI::App app{"Every fault of a sensor, a bus and a clock: seen, stated, recovered from?"};
   app.add_option("--seeds", options.seeds, "of each fault")->capture_default_str();
   app.add_option("--first-seed", options.first_seed)->capture_default_str();
+  app.add_option("--on", options.set, "a set of recordings, one run each, instead of the simulated hand");
+  app.add_option("--recordings", options.recordings, "their folder")->capture_default_str();
   app.add_option("--faults", options.faults, "names; default: all, and none");
   app.add_option("--check", options.known_shortfalls,
                  "fail where a fault falls behind what is required, or behind FILE");

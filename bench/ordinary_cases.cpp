@@ -1,4 +1,4 @@
-/// The stories of docs/calibration.md, "Ordinary use".
+/// The stories of docs/calibration_figures.md, "Ordinary use".
 #include <numbers>
 
 #include "bench/ordinary_use.h"
@@ -35,17 +35,21 @@ void ordinary(OrdinaryUse& life, const Judge& judge) {
   judge();
 }
 
+/// From one station to the next: every stretch of it looks like rest.
+void ride(OrdinaryUse& life, double heading, double size_mps2, double stretch_s, const Judge& after_each) {
+  for (const double along : {size_mps2, 0.0, -size_mps2, 0.0}) {
+    const Vec3 force = along * Vec3(std::cos(heading), std::sin(heading), 0.0);
+    life.surroundings().force_mps2 = [force](double) { return force; };
+    life.rest(stretch_s);
+    after_each();
+  }
+}
+
 /// Eighteen seconds of steady acceleration, coasting, and the same to a stop.
 void train(OrdinaryUse& life, const Judge& judge) {
   life.handle(25);
   for (int station = 0; station < 4; ++station) {
-    const double heading = life.random().uniform(0.0, 6.28);
-    for (const double along : {1.0, 0.0, -1.0, 0.0}) {
-      const Vec3 force = along * Vec3(std::cos(heading), std::sin(heading), 0.0);
-      life.surroundings().force_mps2 = [force](double) { return force; };
-      life.rest(18.0);
-      judge();
-    }
+    ride(life, life.random().uniform(0.0, 6.28), 1.0, 18.0, judge);
     life.turn();
   }
   life.surroundings() = {};
@@ -153,6 +157,44 @@ void elevator(OrdinaryUse& life, const Judge& judge) {
   judge();
 }
 
+/// Nothing is known yet, and every stretch that looks like rest may be steady acceleration.
+void tram_from_the_start(OrdinaryUse& life, const Judge& judge) {
+  for (int station = 0; station < 12; ++station) {
+    const double heading = life.random().uniform(0.0, 6.28), size = life.random().uniform(0.5, 1.2);
+    ride(life, heading, size, 10.0, [] {});
+    judge();
+    life.turn();
+  }
+  life.surroundings() = {};
+  life.handle(25);
+  judge();
+}
+
+void coarse_gyroscope(OrdinaryUse& life, const Judge& judge) {
+  life.sensor().gyr_lattice_radps = 0.25 * kRadPerDeg;
+  ordinary(life, judge);
+}
+
+/// Warmer by 30 K within a quarter of an hour, handled all the while, and no thermometer tells.
+void warms_unseen(OrdinaryUse& life, const Judge& judge) {
+  life.sensor().b_acc_mps2_per_K = life.random().normal3(0.005);
+  life.sensor().b_gyr_radps_per_K = life.random().normal3(0.02 * kRadPerDeg);
+  life.handle(20);
+  const double start_s = life.now_s();
+  life.surroundings().temp_degC = [start_s](double t_s) {
+    return Surroundings::kTold_degC + 30.0 * (1.0 - std::exp((start_s - t_s) / 300.0));
+  };
+  for (int k = 0; k < 12; ++k) {
+    life.handle(10);
+    judge();
+  }
+}
+
+void clips_unsaid(OrdinaryUse& life, const Judge& judge) {
+  life.sensor().acc_limit_mps2 = 8.0;
+  ordinary(life, judge);
+}
+
 }  // namespace
 
 const std::vector<UseCase>& use_cases() {
@@ -173,6 +215,10 @@ const std::vector<UseCase>& use_cases() {
       {"scale error 31 %", false, wrong_range},
       {"idling engine", false, idling_engine},
       {"elevator", false, elevator},
+      {"tram from the start", false, tram_from_the_start},
+      {"coarse gyroscope", false, coarse_gyroscope},
+      {"warms unseen", false, warms_unseen},
+      {"clips unsaid", false, clips_unsaid},
   };
   return kCases;
 }

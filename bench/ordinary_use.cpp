@@ -34,6 +34,14 @@ OrdinaryUse::OrdinaryUse(unsigned seed, bool has_mag)
   q_world_body_ = random_.rotation();
 }
 
+Vec3 OrdinaryUse::acc_bias_mps2() const {
+  return sensor_.b_acc_mps2 + (surroundings_.temp_degC(t_s_) - Surroundings::kTold_degC) * sensor_.b_acc_mps2_per_K;
+}
+
+Vec3 OrdinaryUse::gyr_bias_radps() const {
+  return sensor_.b_gyr_radps + (surroundings_.temp_degC(t_s_) - Surroundings::kTold_degC) * sensor_.b_gyr_radps_per_K;
+}
+
 void OrdinaryUse::step(const Vec3& rate_body_radps) {
   const Mat3 R_body_world = q_world_body_.toRotationMatrix().transpose();
   const Vec3 rate = rate_body_radps + R_body_world * Vec3(0, 0, surroundings_.vertical_rate_radps);
@@ -43,11 +51,13 @@ void OrdinaryUse::step(const Vec3& rate_body_radps) {
   RawSample s;
   s.t_ns = static_cast<std::int64_t>(std::llround(t_s_ * 1e9));
   s.has = static_cast<std::uint8_t>(kAcc | kGyr | kTemp | (has_mag_ ? kMag : 0));
-  s.acc_mps2 =
-      array(Vec3(sensor_.H_acc.inverse() * (force + shaken) + sensor_.b_acc_mps2 + random_.normal3(kAccNoise_mps2)));
-  s.gyr_radps = array(Vec3(sensor_.H_gyr.inverse() * rate + sensor_.b_gyr_radps + random_.normal3(kGyrNoise_radps)));
+  const double limit = sensor_.acc_limit_mps2, lattice = sensor_.gyr_lattice_radps;
+  const Vec3 acc = sensor_.H_acc.inverse() * (force + shaken) + acc_bias_mps2() + random_.normal3(kAccNoise_mps2);
+  s.acc_mps2 = array(Vec3(acc.cwiseMax(-limit).cwiseMin(limit)));
+  const Vec3 gyr = sensor_.H_gyr.inverse() * rate + gyr_bias_radps() + random_.normal3(kGyrNoise_radps);
+  s.gyr_radps = array(lattice > 0.0 ? Vec3(lattice * (gyr / lattice).array().round()) : gyr);
   s.mag_uT = array(Vec3(R_body_world * kField_uT + random_.normal3(kMagNoise_uT)));
-  s.temp_degC = 25.0;
+  s.temp_degC = Surroundings::kTold_degC;
   if (const auto window = detector_.push(s, calibrator_.snapshot())) calibrator_.absorb(*window);
   if (const auto turn = turns_.push(s, 0, calibrator_.snapshot())) calibrator_.absorb(*turn);
   q_world_body_ = (q_world_body_ * exp_quat(Vec3(kDt_s * rate))).normalized();
@@ -86,13 +96,13 @@ std::map<std::string, OrdinaryUse::Judgement> OrdinaryUse::judge() const {
       out[name].stated.push_back(sd[k] * unit);
     }
   };
-  add_bias("acc bias, m/s2", c.acc.bias_at(25.0) - sensor_.b_acc_mps2, c.acc, 1.0);
-  add_bias("gyr bias, deg/s", c.gyr.bias_at(25.0) - sensor_.b_gyr_radps, c.gyr, kDegPerRad);
+  add_bias("acc bias, m/s2", c.acc.bias_at(Surroundings::kTold_degC) - acc_bias_mps2(), c.acc, 1.0);
+  add_bias("gyr bias, deg/s", c.gyr.bias_at(Surroundings::kTold_degC) - gyr_bias_radps(), c.gyr, kDegPerRad);
   double sq = 0.0;
   const auto directions = even_directions(60);
   for (const Vec3& u : directions) {
-    const Vec3 y = sensor_.H_acc.inverse() * (kStandardGravity_mps2 * u) + sensor_.b_acc_mps2;
-    sq += std::pow(c.acc.apply(array(y), 25.0).norm() - kStandardGravity_mps2, 2) / 60.0;
+    const Vec3 y = sensor_.H_acc.inverse() * (kStandardGravity_mps2 * u) + acc_bias_mps2();
+    sq += std::pow(c.acc.apply(array(y), Surroundings::kTold_degC).norm() - kStandardGravity_mps2, 2) / 60.0;
   }
   out["acc norm, m/s2"] = {{std::sqrt(sq)}, {c.acc.norm_sd}};
   out["gyr matrix"] = {{(mat(c.gyr.matrix) - sensor_.H_gyr).norm() / 3.0}, {calibrator_.state().gyr_matrix_sd}};

@@ -13,7 +13,10 @@ namespace stillpoint::bench {
 /// y = H^-1 u + b + noise, of data-sheet size.
 struct UsedSensor {
   Mat3 H_acc = Mat3::Identity(), H_gyr = Mat3::Identity();
-  Vec3 b_acc_mps2 = Vec3::Zero(), b_gyr_radps = Vec3::Zero();
+  Vec3 b_acc_mps2 = Vec3::Zero(), b_gyr_radps = Vec3::Zero();  ///< at 25 degC
+  Vec3 b_acc_mps2_per_K = Vec3::Zero(), b_gyr_radps_per_K = Vec3::Zero();
+  double gyr_lattice_radps = 0.0;  ///< the step of its readings; none where it is zero
+  double acc_limit_mps2 = 1e9;     ///< its readings end there
   explicit UsedSensor(Random& random);
 };
 
@@ -22,6 +25,8 @@ struct Surroundings {
   std::function<Vec3(double)> force_mps2 = [](double) { return Vec3(Vec3::Zero()); };
   double vertical_rate_radps = 0.0;  ///< the ground turns: a turntable, a curve
   double shaking_mps2 = 0.0;         ///< amplitude at 29 Hz, body axes
+  std::function<double(double)> temp_degC = [](double) { return kTold_degC; };
+  static constexpr double kTold_degC = 25.0;  ///< what the thermometer tells, whatever it is
 };
 
 class OrdinaryUse {
@@ -38,6 +43,7 @@ class OrdinaryUse {
   UsedSensor& sensor() { return sensor_; }
   Surroundings& surroundings() { return surroundings_; }
   Random& random() { return random_; }
+  [[nodiscard]] double now_s() const { return t_s_; }
   /// Errors over stated deviations, as they are published now.
   struct Judgement {
     std::vector<double> error, stated;  ///< one or three numbers a quantity
@@ -47,6 +53,8 @@ class OrdinaryUse {
 
  private:
   void step(const Vec3& rate_body_radps);
+  [[nodiscard]] Vec3 acc_bias_mps2() const;
+  [[nodiscard]] Vec3 gyr_bias_radps() const;
   Random random_;
   UsedSensor sensor_;
   Surroundings surroundings_;

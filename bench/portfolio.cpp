@@ -9,12 +9,13 @@
 #include "bench/portfolio_check.h"
 #include "bench/portfolio_sets.h"
 #include "io/config.h"
+#include "tests/source_folder.h"
 
 namespace stillpoint::bench {
 namespace {
 
 struct Options {
-  std::string recordings = STILLPOINT_SOURCE_DIR "/../shared/recordings";
+  std::string recordings = stillpoint::in_source("../shared/recordings");
   std::string config, limits;
   std::vector<std::string> sets;
   unsigned seeds = 20;

@@ -78,8 +78,7 @@ void run_series(const Series& series, const pipeline::StagesParams& params, Way 
       pipeline::Processed here = last;
       const double ahead_s = 1e-9 * static_cast<double>(series.truths[next].t_ns - last.attitude.t_ns);
       const auto& e = last.attitude;
-      const Quat q = Quat(e.q_world_body[0], e.q_world_body[1], e.q_world_body[2], e.q_world_body[3]) *
-                     exp_quat(ahead_s * vec(e.rate_body_radps));
+      const Quat q = quat(e.q_world_body) * exp_quat(ahead_s * vec(e.rate_body_radps));
       here.attitude.q_world_body = {q.w(), q.x(), q.y(), q.z()};
       each(series.truths[next], here);
     }

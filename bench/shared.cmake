@@ -12,6 +12,10 @@ function(stillpoint_shared_figures name)
   stillpoint_precompile(programs ${name})
 endfunction()
 
+configure_file(${PROJECT_SOURCE_DIR}/tests/source_folder.cpp.in ${PROJECT_BINARY_DIR}/source_folder.cpp @ONLY)
+add_library(source_folder STATIC EXCLUDE_FROM_ALL ${PROJECT_BINARY_DIR}/source_folder.cpp)
+target_link_libraries(source_folder PRIVATE stillpoint_options)
+
 stillpoint_shared_figures(ordinary_use FILES ordinary_*.cpp DEPS sp_calib_online sp_io)
 stillpoint_shared_figures(calibration_tables_parts FILES calibration_*.cpp EXCEPT "(_bench|/calibration_tables)\\.cpp$"
                           DEPS ordinary_use)

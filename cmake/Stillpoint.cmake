@@ -9,8 +9,10 @@ set(CMAKE_CXX_FLAGS_RELEASE "-O2 -DNDEBUG")  # our own SP_EXPECTS stays on in ev
 
 find_program(CCACHE ccache)
 if(CCACHE)
-  # The sloppiness is what ccache asks for before it keeps a file that was compiled with a precompiled header.
-  set(CMAKE_CXX_COMPILER_LAUNCHER ${CMAKE_COMMAND} -E env CCACHE_SLOPPINESS=pch_defines,time_macros ${CCACHE})
+  # The sloppiness is what ccache asks for before it keeps a file that was compiled with a precompiled header. Paths count
+  # from the project's root: what one checkout has compiled serves the others.
+  set(CMAKE_CXX_COMPILER_LAUNCHER ${CMAKE_COMMAND} -E env CCACHE_SLOPPINESS=pch_defines,time_macros
+      CCACHE_BASEDIR=${PROJECT_SOURCE_DIR} CCACHE_NOHASHDIR=1 ${CCACHE})
 endif()
 
 find_package(Threads REQUIRED)
@@ -96,8 +98,7 @@ function(stillpoint_tests folder)
       set(properties LABELS ${folder} TIMEOUT ${STILLPOINT_TEST_TIMEOUT_S})
     endif()
     add_executable(${target} ${sources})
-    target_link_libraries(${target} PRIVATE stillpoint_options ${ARG_DEPS} GTest::gmock GTest::gtest_main)
-    target_compile_definitions(${target} PRIVATE STILLPOINT_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
+    target_link_libraries(${target} PRIVATE stillpoint_options ${ARG_DEPS} source_folder GTest::gmock GTest::gtest_main)
     stillpoint_precompile(tests ${target})
     gtest_discover_tests(${target} TEST_PREFIX ${folder}. PROPERTIES ${properties} DISCOVERY_TIMEOUT 120)
   endforeach()

@@ -6,8 +6,9 @@ set -euo pipefail
 [ $# -eq 1 ] || { echo "usage: sudo scripts/arm64.sh FOLDER" >&2; exit 64; }
 [ "$(id -u)" -eq 0 ] || { echo "debootstrap and chroot need root" >&2; exit 64; }
 cd "$(dirname "$0")/.."
+. scripts/setup.sh
 chroot_folder=$(realpath -m "$1")
-mirror=$(apt-get indextargets --format '$(SITE)' "Created-By: Packages" | head -n 1)  # as this machine's own apt
+mirror=$(apt_mirror)
 
 [ -e "$chroot_folder/etc/debian_version" ] || debootstrap --variant=minbase bookworm "$chroot_folder" "$mirror"
 mountpoint -q "$chroot_folder/proc" || mount -t proc proc "$chroot_folder/proc"

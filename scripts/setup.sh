@@ -2,6 +2,9 @@
 
 say() { printf '==> %s s: %s\n' "$SECONDS" "$*"; }
 
+# The package mirror, as this machine's own apt has it.
+apt_mirror() { apt-get indextargets --format '$(SITE)' "Created-By: Packages" | head -n 1; }
+
 # agreed QUESTION: whether a person at this terminal says yes. Nobody there, or no sudo: no.
 agreed() {
   [ -t 0 ] && [ -t 2 ] && command -v sudo > /dev/null || return 1

@@ -71,7 +71,12 @@ TEST(Allocations, ARehearsalMakesNone) {
   const auto samples = test::hand_samples(2.0);
   calib::OnlineCalibrator calibrator({}, {});
   DirectLink link(calibrator);
-  Stages stages(StagesParams{}, calibrator.snapshot());
+  StagesParams params;
+  const TakenOutLaw law{&Momentary::rate,
+                        [m = Mat3(1e-3 * Mat3::Identity())](const Momentary& now) -> Vec3 { return m * now.force; }};
+  params.compensation.laws = std::make_shared<const std::vector<TakenOutLaw>>(3, law);
+  params.compensation.any = true;
+  Stages stages(params, calibrator.snapshot());
   Processed processed;
   Rehearsal rehearsal(stages, 90e-6);
   const std::int64_t start_ns = monotonic_ns();

@@ -3,37 +3,52 @@
 
 Every block ```sh of PAGE is run by bash, one after the other in one folder, with the programs in PATH and `../shared`
 beside it. A block ```text after it is what it must print: each of its lines in this order, blanks counting once. A block
-after the comment <!-- until stopped --> is stopped after some seconds. SETUP is a script that makes the reader's own
+after the comment <!-- until stopped --> is stopped when it has printed that. SETUP is a script that makes the reader's own
 files first. Exit code 77 where a page needs recordings that are not here."""
 import os
 import pathlib
 import re
+import select
 import signal
 import subprocess
 import sys
 import tempfile
+import time
 
-STOPPED_AFTER_S = 20
+LONGEST_S = 300  # until a block that runs until it is stopped has printed what the page says
 FENCE = re.compile(r"^( *)```(\w*)\n(.*?)^ *```", re.M | re.S)
 
 
 def blocks(page):
-    """Of each fenced block its language, its text without the indent, and whether it runs until it is stopped."""
-    for m in FENCE.finditer(page):
-        text = "\n".join(line[len(m[1]):] for line in m[3].splitlines())
-        yield m[2], text, page[:m.start()].rstrip().endswith("<!-- until stopped -->")
+    """Of each block ```sh its text without the indent, what it must print, and whether it runs until it is stopped."""
+    fences = list(FENCE.finditer(page))
+    for m, after in zip(fences, fences[1:] + [None]):
+        if m[2] == "sh":
+            expected = lines_of(after) if after and after[2] == "text" else ""
+            yield lines_of(m), expected, page[:m.start()].rstrip().endswith("<!-- until stopped -->")
 
 
-def run(text, folder, environment, until_stopped):
-    process = subprocess.Popen(["bash", "-euo", "pipefail", "-c", text], cwd=folder, env=environment, text=True,
+def lines_of(fence):
+    return "\n".join(line[len(fence[1]):] for line in fence[3].splitlines())
+
+
+def run(text, expected, folder, environment, until_stopped):
+    process = subprocess.Popen(["bash", "-euo", "pipefail", "-c", text], cwd=folder, env=environment,
                                stdout=subprocess.PIPE, stderr=subprocess.STDOUT, start_new_session=True)
-    try:
-        printed, _ = process.communicate(timeout=STOPPED_AFTER_S if until_stopped else None)
-    except subprocess.TimeoutExpired:
-        os.killpg(process.pid, signal.SIGTERM)
-        printed, _ = process.communicate()
-        return 0, printed
-    return process.returncode, printed
+    printed, stopped, end_s = b"", None, time.monotonic() + LONGEST_S
+    while True:
+        if until_stopped and stopped is None:
+            failed = process.poll() not in (None, 0)  # what it left in the background would hold the pipe
+            if failed or missing_line(expected, printed.decode(errors="replace")) is None or time.monotonic() > end_s:
+                os.killpg(process.pid, signal.SIGTERM)
+                stopped = process.returncode if failed else 0
+        if select.select([process.stdout], [], [], 1.0)[0]:
+            piece = os.read(process.stdout.fileno(), 65536)
+            if not piece:
+                break
+            printed += piece
+    code = process.wait()
+    return code if stopped is None else stopped, printed.decode()
 
 
 def missing_line(expected, printed):
@@ -63,19 +78,17 @@ def main(programs, shared, page, setup=None):
         environment = dict(os.environ, PATH=f"{pathlib.Path(programs).resolve()}:{os.environ['PATH']}")
         if setup:
             subprocess.run([pathlib.Path(setup).resolve()], cwd=folder, env=environment, check=True)
-        printed, ran = "", 0
-        for language, block, until_stopped in blocks(text):
-            if language == "sh":
-                code, printed = run(block, folder, environment, until_stopped)
-                ran += 1
-                if code != 0:
-                    print(f"{page}: this ended with {code}:\n{block}\n{printed}")
-                    return 1
-            elif language == "text":
-                line = missing_line(block, printed)
-                if line is not None:
-                    print(f"{page}: not printed, or not in this order: {line}\nprinted was:\n{printed}")
-                    return 1
+        ran = 0
+        for block, expected, until_stopped in blocks(text):
+            code, printed = run(block, expected, folder, environment, until_stopped)
+            ran += 1
+            if code != 0:
+                print(f"{page}: this ended with {code}:\n{block}\n{printed}")
+                return 1
+            line = missing_line(expected, printed)
+            if line is not None:
+                print(f"{page}: not printed, or not in this order: {line}\nprinted was:\n{printed}")
+                return 1
     print(f"{page}: {ran} blocks do what the page says")
     return 0 if ran else 1
 

@@ -10,6 +10,7 @@
 #include "exchange/ulog.h"
 #include "exchange/unpack.h"
 #include "io/text_file.h"
+#include "tests/source_folder.h"
 
 namespace stillpoint::exchange {
 namespace {
@@ -17,7 +18,7 @@ namespace {
 using testing::HasSubstr;
 
 std::string damaged(const std::string& name) {
-  const auto text = io::read_text_file(STILLPOINT_SOURCE_DIR "/tests/exchange/damaged/" + name, "a damaged file");
+  const auto text = io::read_text_file(in_source("tests/exchange/damaged/") + name, "a damaged file");
   EXPECT_TRUE(text) << (text ? "" : text.error().message);
   return text.value_or("");
 }

@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # The protections of cmake/Hardening.cmake as they ended up in a program. Code 77: skipped. Usage: hardening_test.sh PROGRAM...
 set -euo pipefail
-command -v readelf >/dev/null || { echo "SKIPPED: no readelf here (apt-get install binutils)" >&2; exit 77; }
+command -v readelf >/dev/null || { echo "LOUD: SKIPPED: no readelf here (apt-get install binutils)" >&2; exit 77; }
 # Counts to the end: a grep that stops at its first find would end what writes to it.
 count() { grep -Ec "$1" || true; }
 for program in "$@"; do
