@@ -13,8 +13,6 @@ namespace {
 constexpr double kGate = 25.0;              // chi-square of three; beyond, a turn is refused
 constexpr double kLongestTurn_rad = 15.0;   // beyond, what is not in the matrix outweighs it
 constexpr double kLeastTurn_rad = 0.2;      // smaller turns say nothing of the matrix
-constexpr double kNonlinearity = 0.002;     // of a turn: what a constant matrix cannot describe
-constexpr double kWhite_radps_rtHz = 2e-4;  // a consumer gyro's 0.01 deg/s/sqrt(Hz)
 constexpr double kDirectionFloor = 0.002;   // rad, of a window's direction
 constexpr double kFactoryDirection = 0.03;  // rad, before the accelerometer is learnt
 constexpr double kMostCorrected_rad = 0.2;  // by a bias that became known on the way; beyond, it is no small angle
@@ -25,6 +23,9 @@ constexpr double kLatelyAtFirst =
 constexpr double kLatelyShare = 0.15;  // of a turn
 constexpr double kWhileRefused = 2.0;  // nats for the rival, for the stated deviation
 constexpr double kLeastNoise = 0.01;   // of the assumed variance
+constexpr double kScaleDoubted = 9.0;  // chi-square of a known turn, by the factory's scales
+constexpr double kExplained = 0.25;    // of that, by wide ones: the prior is what contradicts
+constexpr int kRounds = 4;             // an axis is by the matrix: after three its change is below 1e-4
 constexpr std::uint32_t kTurnsNeeded = 4;
 constexpr std::uint32_t kRefusedToOpen = 2;  // in a row
 
@@ -66,9 +67,14 @@ void GyrMatrixLearner::restore(const State& s) noexcept {
   s_.has_previous = 0;  // where the body was before the restart says nothing of a turn since
 }
 
-GyroMatrixFit GyrMatrixLearner::fit(const GyroMatrixSums& sums, bool wide) const noexcept {
-  const double times = wide ? kRivalTimes : 1.0;
-  return solve(sums, mat(factory_.matrix), times * params_.scale_sd, times * params_.cross_sd);
+GyroMatrixFit GyrMatrixLearner::fit(const GyroMatrixSums& sums, MatrixPrior prior) const noexcept {
+  const double scale_times = prior == MatrixPrior::kFactory ? 1.0 : kRivalTimes;
+  const double cross_times = prior == MatrixPrior::kWide ? kRivalTimes : 1.0;
+  return solve(sums, mat(factory_.matrix), scale_times * params_.scale_sd, cross_times * params_.cross_sd);
+}
+
+GyroMatrixFit GyrMatrixLearner::published() const noexcept {
+  return fit(s_.published, static_cast<MatrixPrior>(s_.wide));
 }
 
 bool GyrMatrixLearner::absorb(const Window& w, const CalibrationSnapshot& used, double pushed_var) noexcept {
@@ -97,7 +103,7 @@ bool GyrMatrixLearner::absorb(const Window& w, const CalibrationSnapshot& used, 
   turn.bias_var = of_bias.trace() / 3.0;
   turn.rotation_cov =
       of_bias + turn.noise_scale *
-                    (squared(kWhite_radps_rtHz) * w.rotation_s + squared(kNonlinearity * w.rotation_path_rad)) *
+                    (squared(kGyroWhite_radps_rtHz) * w.rotation_s + squared(kGyroNonlinearity * w.rotation_path_rad)) *
                     Mat3::Identity();
   turn.J = Eigen::Map<const Mat39>(w.d_rotation_d_matrix.data());
   turn.H_used = mat(w.gyr_matrix_used);
@@ -107,23 +113,23 @@ bool GyrMatrixLearner::absorb(const Window& w, const CalibrationSnapshot& used, 
 
 /// Every turn speaks; about which axis is what a turn about another does not repeat.
 void GyrMatrixLearner::learn(const Turn& turn) noexcept {
-  const Fit published = turn.by(fit(s_.published, s_.wide != 0));
-  const bool refused = published.chi2 > kGate;
+  const Fit by_published = turn.by(published());
+  const bool refused = by_published.chi2 > kGate;
   s_.in_a_row = refused ? s_.in_a_row + 1 : 0;
   const Vec3 axis = turn.R.transpose() * turn.u_before;
   // Neither bias nor directions are known well enough for a verdict.
   const bool poor = turn.bias_var + turn.direction_var > squared(kPoor_rad);
   // A fit that is refused shows at once, by no more than another sensor does; one that is good again by and by.
-  const double fits = std::min(published.chi2 / 3.0, kLatelyAtFirst);
+  const double fits = std::min(by_published.chi2 / 3.0, kLatelyAtFirst);
   if (!poor) s_.lately = refused ? std::max(s_.lately, fits) : s_.lately + kLatelyShare * (fits - s_.lately);
-  if (!poor && !refused) s_.noise.see(published.chi2 * turn.noise_scale, 3.0);
+  if (!poor && !refused) s_.noise.see(by_published.chi2 * turn.noise_scale, 3.0);
   if (poor) {
     if (!refused) turn.add_to(s_.published);
     if (rivalry_.is_open()) turn.add_to(s_.rival);
     return;
   }
   if (rivalry_.is_open()) {
-    rivalry_.add_vote(Rivalry::vote(published, turn.by(fit(s_.rival, true))), axis);
+    rivalry_.add_vote(Rivalry::vote(by_published, turn.by(fit(s_.rival, MatrixPrior::kWide))), axis);
     if (rivalry_.verdict(kTurnsNeeded) == Rivalry::Verdict::kPublishedStays) rivalry_.close();
   } else if (refused && s_.in_a_row >= kRefusedToOpen) {
     s_.rival = {};
@@ -137,7 +143,7 @@ void GyrMatrixLearner::learn(const Turn& turn) noexcept {
   if (rivalry_.verdict(kTurnsNeeded) == Rivalry::Verdict::kRivalWins) {
     s_.published = s_.rival;
     s_.lately = 1.0;
-    s_.wide = 1;
+    s_.wide = static_cast<std::uint32_t>(MatrixPrior::kWide);
     rivalry_.close();
   }
   s_.rivalry = rivalry_.state();
@@ -153,16 +159,69 @@ void GyrMatrixLearner::sensor_replaced() noexcept {
   s_.rivalry = rivalry_.state();
 }
 
-bool GyrMatrixLearner::publish(TriadCalibration& gyr) noexcept {
-  const GyroMatrixFit published = fit(s_.published, s_.wide != 0);
-  if (published.status != FitStatus::kOk) return false;
-  double variance = std::max(1.0, s_.lately) * published.covariance.trace() / 9.0;
-  if (const double weight = rivalry_.weight(s_.in_a_row > 0 ? kWhileRefused : 0.0); weight > 0.0) {
-    const GyroMatrixFit rival = fit(s_.rival, true);
-    variance += weight * (rival.covariance.trace() + (rival.H - published.H).squaredNorm()) / 9.0;
+/// Whether there is a known turn that only the factory's scales contradict: not what else is known, not other turns.
+bool GyrMatrixLearner::scales_doubted(std::span<const KnownTurn> turns) const noexcept {
+  if (static_cast<MatrixPrior>(s_.wide) != MatrixPrior::kFactory) return false;
+  GyroMatrixSums sums = s_.published;
+  for (const KnownTurn& turn : turns)
+    if (const GyroMatrixFit now = fit(sums, MatrixPrior::kFactory);
+        seen_by(now, turn).chi2(turn.angle_rad) < kScaleDoubted)
+      add_known_turn(now, turn, sums);
+  const GyroMatrixFit narrow = fit(sums, MatrixPrior::kFactory), wide = fit(sums, MatrixPrior::kWideScale);
+  return std::any_of(turns.begin(), turns.end(), [&](const KnownTurn& turn) {
+    const double chi2 = seen_by(narrow, turn).chi2(turn.angle_rad);
+    return chi2 > kScaleDoubted && seen_by(wide, turn).chi2(turn.angle_rad) < kExplained * chi2;
+  });
+}
+
+/// The turn that fits best, of those that are not used and not refused: so the odd one out is the last, whatever the
+/// order in which they were stated.
+KnownTurn* GyrMatrixLearner::best_fit(std::span<KnownTurn> turns) const noexcept {
+  const GyroMatrixFit now = published();
+  KnownTurn* best = nullptr;
+  double least = kGate;
+  for (KnownTurn& turn : turns)
+    if (const double chi2 = seen_by(now, turn).chi2(turn.angle_rad); !turn.used && chi2 < least)
+      best = &turn, least = chi2;
+  return best;
+}
+
+bool GyrMatrixLearner::absorb(std::span<KnownTurn> turns) noexcept {
+  if (scales_doubted(turns)) {  // what turns said before was linearised about those scales
+    rivalry_.close();
+    s_ = {};
+    s_.wide = static_cast<std::uint32_t>(MatrixPrior::kWideScale);
   }
-  sd_ = std::sqrt(variance);
-  gyr.matrix = s_.published.segments > 0 ? array(published.H) : factory_.matrix;
+  const GyroMatrixSums before = s_.published;
+  for (KnownTurn& turn : turns) {
+    turn.used = false;
+    if (rivalry_.is_open()) add_known_turn(fit(s_.rival, MatrixPrior::kWide), turn, s_.rival);
+  }
+  while (KnownTurn* const next = best_fit(turns)) {
+    next->used = true;
+    add_known_turn(published(), *next, s_.published);
+  }
+  for (int round = 1; round < kRounds; ++round) {
+    const GyroMatrixFit now = published();
+    s_.published = before;
+    for (const KnownTurn& turn : turns)
+      if (turn.used) add_known_turn(now, turn, s_.published);
+  }
+  return s_.published.segments > before.segments;
+}
+
+bool GyrMatrixLearner::publish(TriadCalibration& gyr) noexcept {
+  GyroMatrixFit now = published();
+  if (now.status != FitStatus::kOk) return false;
+  now.covariance *= std::max(1.0, s_.lately);
+  if (const double weight = rivalry_.weight(s_.in_a_row > 0 ? kWhileRefused : 0.0); weight > 0.0) {
+    const GyroMatrixFit rival = fit(s_.rival, MatrixPrior::kWide);
+    const Vec9 apart = rows_of(rival.H) - rows_of(now.H);
+    now.covariance += weight * (rival.covariance + apart * apart.transpose());
+  }
+  if (s_.published.segments == 0) now.H = mat(factory_.matrix);
+  stated_ = now;
+  gyr.matrix = array(now.H);
   return true;
 }
 

@@ -14,8 +14,11 @@ Mat3 matrix(const Vec9& v) {
   return H;
 }
 
-void accumulate(GyroMatrixSums& sums, const Mat39& M, const Vec3& measured, const Mat3& covariance) {
-  const Mat3 W = covariance.inverse();
+template <int kRows>
+void accumulate(GyroMatrixSums& sums, const Eigen::Matrix<double, kRows, 9, Eigen::RowMajor>& M,
+                const Eigen::Matrix<double, kRows, 1>& measured,
+                const Eigen::Matrix<double, kRows, kRows>& covariance) {
+  const Eigen::Matrix<double, kRows, kRows> W = covariance.inverse();
   const Mat9 N = M.transpose() * W * M;
   const Vec9 b = M.transpose() * W * measured;
   std::size_t k = 0;
@@ -36,7 +39,7 @@ Preintegrated preintegrate(const GyroSegment& segment, const Mat3& H) noexcept {
 
 void GyroMatrixSums::add_rotation(const Vec3& rotation_error, const Mat39& J, const Mat3& H_used,
                                   const Mat3& covariance) noexcept {
-  accumulate(*this, J, rotation_error + J * rows_of(H_used), covariance);
+  accumulate<3>(*this, J, rotation_error + J * rows_of(H_used), covariance);
 }
 
 void GyroMatrixSums::add_direction(const Vec3& u_start, const Vec3& u_end, const Mat3& R, const Mat39& J,
@@ -45,7 +48,13 @@ void GyroMatrixSums::add_direction(const Vec3& u_start, const Vec3& u_end, const
   const Mat3 lever = skew(predicted);  // R -> R exp(e) turns R^T u by -e: predicted + [predicted] e
   const Mat39 M = lever * J;
   const Mat3 covariance = 2.0 * direction_var * Mat3::Identity() + lever * rotation_cov * lever.transpose();
-  accumulate(*this, M, u_end - predicted + M * rows_of(H_used), covariance);
+  accumulate<3>(*this, M, u_end - predicted + M * rows_of(H_used), covariance);
+}
+
+void GyroMatrixSums::add_angle(const Vec3& u, const Vec3& Z, double angle, double variance) noexcept {
+  const Mat3 by_element = u * Z.transpose();
+  using One = Eigen::Matrix<double, 1, 1>;
+  accumulate<1>(*this, rows_of(by_element).transpose(), One(angle), One(variance));
 }
 
 void GyroMatrixSums::forget(double keep) noexcept {

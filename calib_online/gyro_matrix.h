@@ -11,6 +11,9 @@
 
 namespace stillpoint::calib {
 
+inline constexpr double kGyroNonlinearity = 0.002;     ///< of a turn: what a constant matrix cannot describe
+inline constexpr double kGyroWhite_radps_rtHz = 2e-4;  ///< a consumer gyro's 0.01 deg/s/sqrt(Hz)
+
 /// The matrix as nine numbers, row by row.
 inline Vec9 rows_of(const Mat3& H) noexcept {
   Vec9 v;
@@ -40,6 +43,8 @@ struct GyroMatrixSums {
   /// turn about it.
   void add_direction(const Vec3& u_start, const Vec3& u_end, const Mat3& R, const Mat39& J, const Mat3& H_used,
                      double direction_var, const Mat3& rotation_cov) noexcept;
+  /// The length of a turn about one axis: u H Z = angle, with u along H Z (Y9).
+  void add_angle(const Vec3& u, const Vec3& Z, double angle, double variance) noexcept;
   void forget(double keep) noexcept;
 };
 

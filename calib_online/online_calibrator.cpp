@@ -104,6 +104,12 @@ bool OnlineCalibrator::absorb(const FieldTurn& turn) noexcept {
   return true;
 }
 
+bool OnlineCalibrator::absorb(std::span<KnownTurn> turns) noexcept {
+  if (!gyr_matrix_.absorb(turns) || !gyr_matrix_.publish(snapshot_.gyr)) return false;
+  ++snapshot_.version;
+  return true;
+}
+
 /// What a triad (acc, gyr, mag) that is stuck or clipped has learnt stays; its status says that it cannot be relied on
 /// now.
 void OnlineCalibrator::name_fault(std::size_t triad) noexcept {

@@ -72,6 +72,10 @@ class OnlineCalibrator {
   bool absorb(const Window& window) noexcept;
   /// Turns of the magnetic field, in time order among themselves.
   bool absorb(const FieldTurn& turn) noexcept;
+  /// Turns of known angle, before the windows of the same recording. Each says whether it was used.
+  bool absorb(std::span<KnownTurn> turns) noexcept;
+  /// The gyroscope's matrix with its covariance.
+  [[nodiscard]] const GyroMatrixFit& gyr_matrix() const noexcept { return gyr_matrix_.stated(); }
   [[nodiscard]] const CalibrationSnapshot& snapshot() const noexcept { return snapshot_; }
   [[nodiscard]] const Params& params() const noexcept { return params_; }
   /// What the learnt stands on.

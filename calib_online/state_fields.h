@@ -106,7 +106,7 @@ void visit_state(State& s, V&& visit) {
   detail::visit_attitudes(visit, kMatrix, "gyr_matrix.rival.up", "gyr_matrix.rival.attitudes",
                           s.gyr_matrix.rivalry.voted);
   visit({kMatrix, "gyr_matrix.refused", "-", kCount}, s.gyr_matrix.refused);
-  visit({kMatrix, "gyr_matrix.wide", "-", in_range(0, 1)}, s.gyr_matrix.wide);
+  visit({kMatrix, "gyr_matrix.wide", "-", in_range(0, 2)}, s.gyr_matrix.wide);
   visit({kMatrix, "gyr_matrix.noise.chi2", "-", in_range(0, 1e6)}, s.gyr_matrix.noise.chi2);
   visit({kMatrix, "gyr_matrix.noise.freedom", "-", in_range(0, 1e6)}, s.gyr_matrix.noise.freedom);
   visit({kMatrix, "gyr_matrix.lately", "-", in_range(0, 1e9)}, s.gyr_matrix.lately);
