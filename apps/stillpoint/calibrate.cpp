@@ -3,6 +3,7 @@
 #include "apps/stillpoint/calibrate.h"
 
 #include "apps/stillpoint/commands.h"
+#include "apps/stillpoint/known_turns.h"
 #include "apps/stillpoint/options.h"
 #include "apps/stillpoint/outcome.h"
 
@@ -87,6 +88,26 @@ void add_calibrate(CLI::App& app, Run& run) {
           "with --recording: the same by the latitude, deg, at sea level; with --mount: the side of the equator")
       ->excludes(gravity)
       ->check(between(-90.0, 90.0));
+  const auto known = [&](const char* name, std::vector<std::string>& texts, const char* type, const char* help,
+                         const auto& parse) {
+    const auto refusal = [&parse](const std::string& text) {
+      const auto parsed = parse(text);
+      return parsed ? std::string() : parsed.error().message;
+    };
+    command->add_option(name, texts, help)
+        ->type_name(type)
+        ->allow_extra_args(false)
+        ->check(CLI::Validator(refusal, ""))
+        ->needs(recording);
+  };
+  known("--turn", r.turns, kTurnType,
+        "with --recording, again and again: from rest to rest, seconds since its first row, the body was turned about "
+        "one axis by so many degrees, such as 66:70.5:360; sd 1.5 deg unless given",
+        parse_turn);
+  known("--rate", r.rates, kRateType,
+        "the same for a turntable: all the time it turned at this rate, such as 20:80:200 or 20:80:33.333rpm; sd 0.3 % "
+        "unless given",
+        parse_rate);
   add_file(*command, "--state", r.state, "with --recording: what was learnt; read if it is there, written at the end")
       ->needs(recording);
   command->add_option("--method", a.method, "with --points: " + names)->needs(points);

@@ -13,6 +13,7 @@ int calibrate_points(const std::string& points, const std::string& method, const
                      const std::string& json);
 struct RecordingOptions {
   std::string state, config, output, report, sensor_id;
+  std::vector<std::string> turns, rates;  ///< of known angle, as in known_turns.h
   std::optional<double> gravity_mps2, latitude_deg;
 };
 struct MountOptions {

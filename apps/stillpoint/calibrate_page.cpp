@@ -174,6 +174,23 @@ Plot over_temperature(const CalibrationRun& run) {
   return report::in_order_of_x(std::move(p));
 }
 
+std::string known_turn_table(const CalibrationRun& run) {
+  if (run.known_turns.empty()) return "";
+  std::string s =
+      "<h2>Turns of known angle</h2><p class=\"how\">What the gyroscope read of them with the matrix at first, and "
+      "with "
+      "the one that was learnt.</p><table><tr><th>from, to</th><th class=\"n\">stated</th><th class=\"n\">before</th>"
+      "<th class=\"n\">after</th><th>unit</th><th class=\"n\">off, in deviations</th><th></th></tr>";
+  for (const KnownTurnReport& t : run.known_turns)
+    s += fmt::format(
+        "<tr><td>{:g} to {:g} s</td><td class=\"n\">{:.6g} ± {:.3g}</td><td class=\"n\">{:.2f}</td><td "
+        "class=\"n\">{:.2f}</td><td>{}</td><td class=\"n\">{:+.1f}</td><td>{}</td></tr>",
+        t.stated.begin_s, t.stated.end_s, t.in_unit(t.turn.angle_rad), t.in_unit(t.stated.sd_rad),
+        t.in_unit(t.before.angle_rad), t.in_unit(t.after.angle_rad), t.unit(), t.residual_sd(),
+        t.turn.used ? "used" : "<b>not used</b>");
+  return s + "</table>";
+}
+
 std::string time_table(const CalibrationRun& run) {
   std::string s =
       "<h2>Where the time went</h2><table><tr><th>at rest, or why not</th><th class=\"n\">seconds</th></tr>";
@@ -200,6 +217,7 @@ std::string calibration_html(const std::string& recording, const CalibrationRun&
                                    "Each axis less its last value; inside the dashed lines the earlier ones agree with "
                                    "it.");
   }
+  s += known_turn_table(run);
   if (!run.windows.empty()) {
     s += coverage(run);
     s += "<h2>Course</h2><div class=\"figures\">";

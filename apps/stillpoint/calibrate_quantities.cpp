@@ -2,11 +2,8 @@
 
 #include <fmt/format.h>
 
-#include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
-
-#include "calib_online/gyro_matrix.h"
 
 namespace stillpoint::app {
 namespace {
@@ -52,14 +49,17 @@ Quantity gyr_matrix(const CalibrationRun& run) {
   q.sd = run.state.gyr_matrix_sd;
   q.used = state.published.segments;
   q.refused = state.refused;
-  const calib::GyroMatrixParams prior;
-  const auto fit = calib::solve(state.published, mat(run.factory.gyr.matrix), prior.scale_sd, prior.cross_sd);
+  if (!run.known_turns.empty() && q.refused > run.refused_without)
+    q.missing.push_back(fmt::format(
+        "evidence contradicts: by the turns of --turn and --rate {} turns between rests are refused, without "
+        "them {}; one of the stated angles may be another",
+        q.refused, run.refused_without));
   for (int axis = 0; axis < 3; ++axis) {
-    const double sd = std::sqrt(std::max(0.0, fit.covariance(4 * axis, 4 * axis)));
+    const double sd = std::sqrt(std::max(0.0, run.gyr_matrix.covariance(4 * axis, 4 * axis)));
     if (sd > kScaleKnown)
       q.missing.push_back(fmt::format(
           "scale of {0} is known to {1:.2g} only: turn it by a quarter about its {0} axis, that axis level, and rest "
-          "before and after",
+          "before and after, or once around and state so with --turn",
           "xyz"[axis], sd));
   }
   q.known = q.missing.empty();

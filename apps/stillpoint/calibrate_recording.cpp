@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 #include <cstdlib>
+#include <limits>
 #include <span>
 
 #include "apps/stillpoint/calibrate.h"
@@ -13,6 +14,7 @@
 #include "apps/stillpoint/calibrate_page.h"
 #include "apps/stillpoint/calibrate_report.h"
 #include "apps/stillpoint/json_text.h"
+#include "apps/stillpoint/known_turns.h"
 #include "apps/stillpoint/outcome.h"
 #include "apps/stillpoint/plausible.h"
 #include "apps/stillpoint/progress.h"
@@ -105,10 +107,61 @@ CalibrationRun calibrate(const io::Recording& recording, calib::OnlineCalibrator
   }
   run.middle_norm_mps2 = middle_norm(recording.acc_mps2);
   run.learnt = calibrator.snapshot();
+  run.gyr_matrix = calibrator.gyr_matrix();
   run.state = calibrator.state();
   run.has_mag = !recording.mag_uT.empty();
   run.begin_ns = recording.t_ns.front();
   run.duration_s = recording.t_s(recording.size() - 1) - recording.t_s(0);
+  return run;
+}
+
+/// Of a bias, (rad/s)^2, in this time.
+double drift_var(const calib::GyrFilterParams& p, double dt_s) {
+  return p.bias_walk_radps_rts * p.bias_walk_radps_rts * dt_s +
+         2.0 * p.wander_sd_radps * p.wander_sd_radps * (1.0 - std::exp(-dt_s / p.wander_s));
+}
+
+/// The gyroscope as it was known best after a turn: the rest after it is near, later ones in other attitudes show what
+/// a turn about its vertical might hide.
+TriadCalibration gyr_after(double t_s, const CalibrationRun& run, const calib::GyrFilterParams& params) {
+  TriadCalibration best = run.learnt.gyr;
+  if (!(best.bias_covariance[0] > 0.0))
+    best.bias_covariance = array(Mat3(params.bias_sd_radps * params.bias_sd_radps * Mat3::Identity()));
+  double least = std::numeric_limits<double>::infinity();
+  for (const CalibrationMoment& m : run.course) {
+    if (m.t_s < t_s || m.known.gyr.windows == 0) continue;
+    TriadCalibration gyr = m.known.gyr;
+    mat(gyr.bias_covariance) += drift_var(params, m.t_s - t_s) * Mat3::Identity();
+    if (mat(gyr.bias_covariance).trace() < least) best = gyr, least = mat(gyr.bias_covariance).trace();
+  }
+  return best;
+}
+
+/// Known turns need the bias, which the rests of the whole recording tell; the turns between rests need the matrix that
+/// known turns tell. So the recording is gone through twice.
+Result<CalibrationRun> calibrate(const io::Recording& recording, calib::OnlineCalibrator& calibrator,
+                                 const calib::RestDetectorParams& rest, const RecordingOptions& options) {
+  const calib::OnlineCalibrator at_first = calibrator;
+  CalibrationRun run = calibrate(recording, calibrator, rest);
+  if (options.turns.empty() && options.rates.empty()) return run;
+  const auto gyr_at = [&](double t_s) { return gyr_after(t_s, run, calibrator.params().gyroscope); };
+  auto known = measure(options.turns, options.rates, recording, gyr_at);
+  if (!known) return tl::unexpected(known.error());
+  calibrator = at_first;
+  std::vector<calib::KnownTurn> turns;
+  for (KnownTurnReport& t : *known) {
+    t.before = calib::seen_by(calibrator.gyr_matrix(), t.turn);
+    turns.push_back(t.turn);
+  }
+  calibrator.absorb(turns);
+  const std::uint32_t refused_without = run.state.gyr_matrix.refused;
+  run = calibrate(recording, calibrator, rest);
+  run.refused_without = refused_without;
+  for (std::size_t k = 0; k < turns.size(); ++k) {
+    (*known)[k].turn = turns[k];
+    (*known)[k].after = calib::seen_by(run.gyr_matrix, turns[k]);
+  }
+  run.known_turns = std::move(*known);
   return run;
 }
 
@@ -159,7 +212,10 @@ int calibrate_recording(const std::string& path, const std::string& json, const 
   if (!options.state.empty())
     if (const auto learnt = read_state(options.state, sensor_id, calibrator); !learnt) return report(learnt.error());
   for (const auto& line : io::describe(recording->issues)) tell(fmt::format("{}: {}", path, line));
-  CalibrationRun run = calibrate(*recording, calibrator, config.rest);
+  auto calibrated = calibrate(*recording, calibrator, config.rest, options);
+  if (!calibrated) return report({calibrated.error().kind, path + ": " + calibrated.error().message});
+  CalibrationRun& run = *calibrated;
+  for (const std::string& line : remarks(run.known_turns)) tell(fmt::format("{}: {}", path, line));
   run.gravity_stated = gravity_mps2.has_value() || !options.config.empty();
   Result<void> written;
   if (!json.empty())

@@ -45,6 +45,16 @@ Json to_json(const TriadCalibration& t) {
   return j;
 }
 
+/// Of each element, row by row.
+Json matrix_sd(const calib::GyroMatrixFit& fit) {
+  Json rows = Json::array();
+  for (int r = 0; r < 3; ++r) {
+    rows.push_back(Json::array());
+    for (int c = 0; c < 3; ++c) rows.back().push_back(std::sqrt(fit.covariance(3 * r + c, 3 * r + c)));
+  }
+  return rows;
+}
+
 /// " +- 0.0012", or that it is not known: nothing learnt is not the same as no error.
 std::string plus_minus(double variance, double factor) {
   return variance > 0.0 ? fmt::format("+- {:.4f}", factor * std::sqrt(variance)) : std::string("(sd unknown)");
@@ -77,6 +87,8 @@ Json to_json(const std::string& path, const CalibrationRun& run) {
   j["norm_rms_error_mps2"] = {{"before", n.before_mps2}, {"after", n.after_mps2}};
   j["accelerometer"] = to_json(run.learnt.acc);
   j["gyroscope"] = to_json(run.learnt.gyr);
+  j["gyroscope"]["matrix_sd"] = matrix_sd(run.gyr_matrix);
+  j["known_turns"] = to_json(run.known_turns);
   if (run.has_mag) j["magnetometer"] = to_json(run.learnt.mag);
   j["gravity_mps2"] = {{"used", run.gravity_mps2}, {"stated", run.gravity_stated}};
   j["quantities"] = Json::array();
@@ -107,6 +119,8 @@ void print(const std::string& path, const CalibrationRun& run) {
     fmt::print("  norm: unknown, nothing learnt\n");
   }
   print("gyroscope", "windows", "deg/s", kDegPerRad, run.learnt.gyr);
+  for (const KnownTurnReport& t : run.known_turns)
+    fmt::print("  turn from {:g} to {:g} s: {}\n", t.stated.begin_s, t.stated.end_s, describe(t));
   if (run.has_mag) print("magnetometer", "turns of the field", "uT", 1.0, run.learnt.mag);
   fmt::print("\n");
   for (const Quantity& q : quantities(run))

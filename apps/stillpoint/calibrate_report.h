@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "apps/stillpoint/known_turns.h"
 #include "calib_online/online_calibrator.h"
 #include "calib_online/window.h"
 #include "core/calibration.h"
@@ -42,6 +43,9 @@ struct CalibrationRun {
   bool has_mag = false;
   std::vector<CalibrationMoment> course;  ///< whenever something was learnt
   std::int64_t begin_ns = 0;
+  calib::GyroMatrixFit gyr_matrix;  ///< as learnt, with its covariance
+  std::vector<KnownTurnReport> known_turns;
+  std::uint32_t refused_without = 0;  ///< turns between rests, before the known turns were told
 
   /// The middle of a window since the beginning.
   [[nodiscard]] double seconds(const calib::Window& w) const {
