@@ -143,10 +143,12 @@ AngleSeen seen_by(const GyroMatrixFit& fit, const KnownTurn& turn) noexcept {
   AngleSeen seen;
   seen.angle_rad = turned.norm();
   seen.matrix_var = u.dot(of_matrix * u);
-  // Across u the matrix counts by its square.
-  const double curvature = 0.5 * (of_matrix.trace() - seen.matrix_var) / seen.angle_rad;
+  // What lies across u lengthens the turn by half its square: two moments of that, as of a Gaussian.
+  const Mat3 keep_across = Mat3::Identity() - u * u.transpose();
+  const Mat3 across = keep_across * of_matrix * keep_across;
+  const double of_square = 0.25 * (across.trace() * across.trace() + 2.0 * across.squaredNorm());
   const Vec3 lever = fit.H.transpose() * u;
-  seen.own_var = turn.variance_rad2 + lever.dot(turn.integral_of_bias * lever) + curvature * curvature;
+  seen.own_var = turn.variance_rad2 + lever.dot(turn.integral_of_bias * lever) + of_square / turned.squaredNorm();
   return seen;
 }
 
