@@ -159,15 +159,15 @@ void add_known_turn(const GyroMatrixFit& fit, const KnownTurn& turn, GyroMatrixS
 
 Result<KnownTurn> known_turn(const StatedTurn& stated, std::span<const std::int64_t> t_ns,
                              std::span<const Vec3> gyr_radps, const Vec3& bias_radps, const Mat3& bias_covariance) {
-  if (t_ns.empty() || gyr_radps.empty()) return refused("the recording holds no gyroscope");
+  if (t_ns.empty() || gyr_radps.empty()) return fail(ErrorKind::kBadData, "the recording holds no gyroscope");
   const double lasts_s = kSecondsPerNs * static_cast<double>(t_ns.back() - t_ns.front());
   if (stated.begin_s < 0.0 || stated.end_s > lasts_s)
     return refused("from %g to %g s, but the recording lasts %.3f s; times are seconds since its first row",
                    stated.begin_s, stated.end_s, lasts_s);
   std::vector<Reading> r = around(stated, t_ns, gyr_radps);
   if (r.size() < kFewest || r.front().t_s > stated.begin_s || r.back().t_s < stated.end_s)
-    return refused("only %zu readings of the gyroscope from %g to %g s; state a span that it covers", r.size(),
-                   stated.begin_s, stated.end_s);
+    return refused("the gyroscope was read %zu times from %g to %g s, ten are the least; state a span that it covers",
+                   r.size(), stated.begin_s, stated.end_s);
   const double step_s = median_step(r);
   for (std::size_t k = 1; k < r.size(); ++k)
     if (r[k].t_s - r[k - 1].t_s > kGapSteps * step_s)
@@ -207,9 +207,11 @@ Result<KnownTurn> known_turn(const StatedTurn& stated, std::span<const std::int6
         "angle; turn it on a flat support or about an edge, or state a larger deviation",
         100.0 * c.across, lost_rad * kDegPerRad);
   const auto squared = [](double v) { return v * v; };
+  // Where it turns at its ends, either may be half a step off.
+  const double edges_rad = stated.steady ? step_s * read_rad / duration_s : 0.0;
   turn.angle_rad = stated.angle_rad;
-  turn.variance_rad2 = squared(stated.sd_rad) + squared(lost_rad) + squared(kGyroNonlinearity * stated.angle_rad) +
-                       squared(kGyroWhite_radps_rtHz) * duration_s;
+  turn.variance_rad2 = squared(stated.sd_rad) + squared(lost_rad) + squared(edges_rad) / 6.0 +
+                       squared(kGyroNonlinearity * stated.angle_rad) + squared(kGyroWhite_radps_rtHz) * duration_s;
   turn.integral_of_bias = squared(duration_s) * bias_covariance;
   return turn;
 }
