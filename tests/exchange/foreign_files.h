@@ -11,6 +11,7 @@
 
 #include "io/recording.h"
 #include "simulation/simulator.h"
+#include "tests/scratch_folder.h"
 
 namespace stillpoint::test {
 
@@ -46,8 +47,14 @@ inline std::string table(const std::vector<RawSample>& samples, const Written& w
   return text;
 }
 
+/// Where a file of this process may stand: tests of one name run side by side.
+inline std::string scratch(const std::string& name) {
+  static const ScratchFolder folder;
+  return folder / name;
+}
+
 inline std::string file(const std::string& name, const std::string& content) {
-  const std::string path = testing::TempDir() + name;
+  const std::string path = scratch(name);
   std::ofstream(path, std::ios::binary) << content;
   return path;
 }

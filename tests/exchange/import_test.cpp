@@ -119,6 +119,7 @@ struct Guess {
   double time, acc, gyr, mag;
   const char* reason;
 };
+void PrintTo(const Guess& g, std::ostream* out) { *out << g.reason; }
 class Guessed : public testing::TestWithParam<Guess> {};
 
 TEST_P(Guessed, UnitsAreToldFromTheValues) {
@@ -211,7 +212,7 @@ TEST(Import, Px4LogsAreTurnedToOurAxes) {
 
 TEST(Import, AnMcapFileOfOursComesBackBitForBitAndWholeChunksSurviveACut) {
   const auto truth = test::hand();
-  const std::string path = testing::TempDir() + "ours.mcap";
+  const std::string path = test::scratch("ours.mcap");
   auto writer = McapWriter::create(path);
   ASSERT_TRUE(writer);
   for (std::size_t i = 0; i < truth.size(); ++i) {
@@ -238,9 +239,9 @@ TEST(Import, AnMcapFileOfOursComesBackBitForBitAndWholeChunksSurviveACut) {
 }
 
 TEST(Import, AnMcapFileWithoutSensorsNamesItsTopics) {
-  auto writer = McapWriter::create(testing::TempDir() + "empty.mcap");
+  auto writer = McapWriter::create(test::scratch("empty.mcap"));
   ASSERT_TRUE(writer && writer->finish());
-  EXPECT_THAT(refusal(testing::TempDir() + "empty.mcap"), HasSubstr("/imu/data_raw (sensor_msgs/msg/Imu)"));
+  EXPECT_THAT(refusal(test::scratch("empty.mcap")), HasSubstr("/imu/data_raw (sensor_msgs/msg/Imu)"));
 }
 
 TEST(Import, WhatCannotBeToldIsAskedFor) {
