@@ -68,8 +68,8 @@ SlowWork::SlowWork(const SlowWorkParts& parts, const pipeline::Shared& shared)
       shared_(shared),
       watch_(parts.source),
       start_ns_(monotonic_ns()),
-      last_tick_ns_(start_ns_),
-      last_save_ns_(start_ns_) {
+      last_save_ns_(start_ns_),
+      rate_(start_ns_) {
   parts_.wire.publish_calibration(to_message(parts_.calibrator.snapshot(), config_.sensor.id));
 }
 
@@ -174,8 +174,7 @@ DiagnosticsMessage SlowWork::diagnostics(const pipeline::SensorReport& report, s
   DiagnosticsMessage d;
   d.uptime_s = 1e-9 * static_cast<double>(now_ns - start_ns_);
   d.samples = report.guard.samples;
-  if (now_ns > last_tick_ns_)
-    d.rate_hz = static_cast<double>(d.samples - last_samples_) / (1e-9 * static_cast<double>(now_ns - last_tick_ns_));
+  d.rate_hz = rate_.look(d.samples, now_ns);
   if (report.usual_step_s > 0.0 && config_.source.speed > 0.0)
     d.expected_rate_hz = config_.source.speed / report.usual_step_s;
   d.gaps = report.guard.gaps;
@@ -215,8 +214,6 @@ void SlowWork::on_tick(const pipeline::SensorReport& report, std::int64_t now_ns
   const DiagnosticsMessage d = diagnostics(report, now_ns, is_stale);
   parts_.wire.publish_diagnostics(d);
   parts_.service.status(one_line(d));
-  last_samples_ = report.guard.samples;
-  last_tick_ns_ = now_ns;
   if (static_cast<double>(now_ns - last_save_ns_) > 1e9 * parts_.live.save_period_s) save();
 }
 

@@ -7,6 +7,7 @@
 #include "apps/stillpointd/health_watch.h"
 #include "apps/stillpointd/keeper.h"
 #include "apps/stillpointd/live_settings.h"
+#include "apps/stillpointd/rate_meter.h"
 #include "apps/stillpointd/reading_noise.h"
 #include "apps/stillpointd/service_manager.h"
 #include "apps/stillpointd/source_watch.h"
@@ -59,8 +60,8 @@ class SlowWork {
   AttitudeMessage last_;
   ReadingNoise noise_;
   ReadingCovariances covariances_;  ///< once a second
-  std::int64_t start_ns_, last_tick_ns_, last_save_ns_;
-  std::uint64_t last_samples_ = 0;
+  std::int64_t start_ns_, last_save_ns_;
+  RateMeter rate_;
   std::uint64_t told_dropped_ = 0, told_answers_late_ = 0, told_clock_steps_ = 0;
   std::uint64_t tell_readings_late_at_ = 1;
   OutletReport outlet_;  ///< once a second
