@@ -84,7 +84,8 @@ std::vector<Validation> validate(const std::string& file, const io::Recording& o
   const Forensics raw = examine_raw_values(rows, given);
   std::array<Mask, kSensors> muted;
   for (std::size_t k = 0; k < kSensors; ++k) muted[k] = raw.sensor[k].muted;
-  const Result<Signals> made = make_signals(rows, given, muted);
+  const Result<Signals> made =
+      make_signals(rows, given, muted, nullptr, static_cast<Eigen::Index>(framed.rows_a_frame));
   if (!made || !made->has_orientation) return out;
   Signals before = *made, after = *made;
   static_cast<void>(subtract_effects(before, given.effects));

@@ -34,15 +34,23 @@ Series periodogram(const Series3& x, const Mask& rest, bool resting, Eigen::Inde
   return windows == 0 ? sum : Series(sum / static_cast<double>(windows));
 }
 
+/// Without a rest: as high at every frequency as where nothing but noise is left, in the upper half of the band. What
+/// still moves there makes it higher, and the band narrower.
+Series noise_of_upper_half(const Series& loud) {
+  const Eigen::Index half = loud.size() / 2;
+  return Series::Constant(loud.size(), quantile(loud.tail(loud.size() - half), 0.5));
+}
+
 }  // namespace
 
 double motion_band_hz(const Series3& x, const Mask& rest, double dt_s, double ratio, double lowest_Hz,
                       double highest_Hz) {
   const auto length = static_cast<Eigen::Index>(std::lround(1.28 / dt_s)) / 2 * 2;
   Eigen::Index resting = 0, moving = 0;
-  const Series quiet = periodogram(x, rest, true, length, resting);
+  const Series at_rest = periodogram(x, rest, true, length, resting);
   const Series loud = periodogram(x, rest, false, length, moving);
-  if (resting < 4 || moving < 4) return highest_Hz;
+  if (moving < 4) return highest_Hz;
+  const Series quiet = resting < 4 ? noise_of_upper_half(loud) : at_rest;
   double band = lowest_Hz;
   for (Eigen::Index k = 1; k + 1 < quiet.size(); ++k) {
     const double frequency = static_cast<double>(k) / (static_cast<double>(length) * dt_s);

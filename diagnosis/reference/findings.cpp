@@ -161,18 +161,26 @@ struct Stated {
   std::vector<HeldOut> held_out;  ///< of each law
 };
 
+/// Beside the other laws a filter's numbers may go where no filter is: then it only takes out what they brought in.
+bool has_possible_numbers(const SensorSearch& search, std::size_t index, const Finished& finished) {
+  const Found& f = search.found[index];
+  return !f.possible || f.possible(finished.values.segment(first_column(search, index), f.timing.size()));
+}
+
 Stated stated_of(const SensorSearch& search, const Finished& finished, std::vector<std::string>& notices) {
   Stated out{search, finished, {}};
   for (std::size_t i = 0; i < search.found.size(); ++i) {
     const Found& f = search.found[i];
     const HeldOut held_out = f.kind == Kind::kConfiguration ? HeldOut{} : held_out_by_regime(search, {i});
-    if (!fails_elsewhere(held_out)) {
+    const bool possible = has_possible_numbers(search, i, finished);
+    if (possible && !fails_elsewhere(held_out)) {
       out.held_out.push_back(held_out);
       continue;
     }
-    notices.push_back(
-        fmt::format("{} fits, but is not stated: on {} left out of its fit it removes {:.2g} of what is removable",
-                    f.id, held_out.on, held_out.removable_share_removed));
+    const std::string why = possible ? fmt::format("on {} left out of its fit it removes {:.2g} of what is removable",
+                                                   held_out.on, held_out.removable_share_removed)
+                                     : "its numbers are none that a sensor has";
+    notices.push_back(fmt::format("{} fits, but is not stated: {}", f.id, why));
     take_out(out.search, out.held_out.size());
   }
   if (out.held_out.size() < search.found.size()) out.finished = finish(out.search);

@@ -74,10 +74,12 @@ double rest_jitter(const Signals& s, const Series3& rate) {
 }
 
 /// The same without a rest: what eighth differences show is noise, motion leaves a millionth of itself in them.
-double jitter_without_rest(const Turns& q) {
+/// Between its frames a slower reference was interpolated, and shows none.
+double jitter_without_rest(const Turns& rows, Eigen::Index rows_a_frame) {
   constexpr int kTimes = 8;
   constexpr double kGain = 113.4;  // of white noise: the root of the sum of the squared binomials of 8
   constexpr double kMedianOverSd = 0.6745;
+  const Turns q = rows(Eigen::seq(0, Eigen::last, rows_a_frame), Eigen::all);
   Eigen::MatrixXd d = q.rightCols<3>();
   for (int k = 0; k < kTimes && d.rows() > 1; ++k) d = (d.bottomRows(d.rows() - 1) - d.topRows(d.rows() - 1)).eval();
   return 2.0 * quantile(d.cwiseAbs().rowwise().mean(), 0.5) / (kGain * kMedianOverSd);
@@ -185,13 +187,13 @@ void predict_readings(Signals& s, const Turns& q, const Motion& m) {
 
 }  // namespace
 
-void predict(Signals& s, const io::Recording& recording) {
+void predict(Signals& s, const io::Recording& recording, Eigen::Index rows_a_frame) {
   mute_lost_reference(s, recording);
   const Turns given_q = turns_of(recording), q = bridged(given_q);
   const Series3 given_p = places_of(recording), p = bridged(given_p);
   s.rows = times_of_rows(s.t_s, s.dt_s, given_q, given_p);
   Motion m = motion_of(s, q, p);
-  const double own_jitter = s.rows.even() ? jitter_without_rest(q) : 2.0 * roughness(given_q, s.rows);
+  const double own_jitter = s.rows.even() ? jitter_without_rest(q, rows_a_frame) : 2.0 * roughness(given_q, s.rows);
   const bool quiet_reference = own_jitter < kExactJitter_rad;
   wake_where_reference_moves(s.rest, m.rate, m.velocity, s.dt_s, quiet_reference);
   rest_where_reference_is_still(s.rest, s, m.rate, m.velocity, quiet_reference);

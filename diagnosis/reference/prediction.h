@@ -7,6 +7,6 @@ namespace stillpoint::diag {
 /// Sets predicted, world_axis, position, rows and what is known of the reference's own noise; wakes rests through which
 /// it moves; mutes what cannot be compared: rows in which the reference was lost, and motion too fast for it.
 /// Pre: the readings and the rest are there, the recording has quaternions.
-void predict(Signals& s, const io::Recording& recording);
+void predict(Signals& s, const io::Recording& recording, Eigen::Index rows_a_frame);
 
 }  // namespace stillpoint::diag

@@ -119,6 +119,7 @@ Found found_from(const TimingLaw& law, const TimingFit& fit, const Window& windo
   f.columns = fit.tangent;
   f.offset = fit.delta;
   f.timing = fit.parameters;
+  f.possible = law.possible;
   return f;
 }
 

@@ -131,8 +131,10 @@ std::optional<Found> chosen(const Signals& s, const SensorSearch& search, const 
     if (!possible(search, *best)) return std::nullopt;  // what comes next would take the same misfit's place
     if (!leaves_less(search, *best)) return std::nullopt;
     if (robust_nats(search, *best) < charge(best->names.size(), best->window)) return std::nullopt;
-    // Half a milliradian of a camera's calibration is as large as a good magnetometer's noise: no name is stated of it.
-    const bool may_be_the_camera = search.sensor == kMag || (is_unknown(best->id) && !best->window.local);
+    // Half a milliradian of a camera's calibration is as large as a good magnetometer's noise, and turns gravity by
+    // more than temperature moves a good accelerometer: no name is stated of it.
+    const bool may_be_the_camera = search.sensor == kMag || (is_unknown(best->id) && !best->window.local) ||
+                                   (search.sensor == kAcc && as_small_as_wandering(s, search, *best));
     if (may_be_the_camera && !stands_beside_wandering(s, search, *best)) return std::nullopt;
     best = against_the_unrecorded(s, search, judge, std::move(*best));
     if (best) return best;

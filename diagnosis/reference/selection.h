@@ -30,9 +30,10 @@ struct Found {
   Columns columns;                                ///< linear part: the law's columns, or the tangent of a timing law
   Series3 offset;                                 ///< timing: the predicted residual at `timing`; empty: none
   Eigen::VectorXd timing;                         ///< parameters of a timing law
-  double gain_nats = 0.0;                         ///< log-likelihood over the model without it
-  double net_nats = 0.0;                          ///< the gain minus what the freedom of the search is worth
-  std::vector<Ranked> rivals;                     ///< of the round that chose it, best first, itself among them
+  std::function<bool(const Eigen::VectorXd&)> possible;  ///< parameters of a timing law that a sensor can have
+  double gain_nats = 0.0;                                ///< log-likelihood over the model without it
+  double net_nats = 0.0;                                 ///< the gain minus what the freedom of the search is worth
+  std::vector<Ranked> rivals;                            ///< of the round that chose it, best first, itself among them
 };
 
 /// Everything about one sensor while the search runs.

@@ -138,7 +138,8 @@ void take_prediction(Signals& s, const AlignedLog& log) {
 }  // namespace
 
 Result<Signals> make_signals(const io::Recording& recording, const sim::SimulationConfig& simulation,
-                             const std::array<Mask, kSensors>& muted, const AlignedLog* log) {
+                             const std::array<Mask, kSensors>& muted, const AlignedLog* log,
+                             Eigen::Index rows_a_frame) {
   Signals s;
   s.n = static_cast<Eigen::Index>(recording.size());
   s.dt_s = s.rows.step_s = even_step_s(recording);
@@ -158,7 +159,7 @@ Result<Signals> make_signals(const io::Recording& recording, const sim::Simulati
   s.has_orientation = !recording.ref_q_world_body.empty();
   s.has_position = !recording.ref_position_m.empty();
   if (!s.has_orientation) return s;
-  predict(s, recording);
+  predict(s, recording, rows_a_frame);
   if (log != nullptr) take_prediction(s, *log);
   for (int k = 0; k < kSensors; ++k) {
     if (!s.present[k]) continue;

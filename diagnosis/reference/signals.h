@@ -64,9 +64,10 @@ inline constexpr double kReferenceTemperature_degC = 25.0;
 
 /// Pre: the recording has at least 2 rows. Fails (65) when nothing of it can be compared: no sensor of the simulation
 /// in it. `muted` comes from the forensics, one mask a sensor, empty for none. `log`: takes the place of what the
-/// reference predicts.
+/// reference predicts. `rows_a_frame`: of a reference that is slower than the rows and was interpolated between them.
 [[nodiscard]] Result<Signals> make_signals(const io::Recording& recording, const sim::SimulationConfig& simulation,
-                                           const std::array<Mask, kSensors>& muted, const AlignedLog* log = nullptr);
+                                           const std::array<Mask, kSensors>& muted, const AlignedLog* log = nullptr,
+                                           Eigen::Index rows_a_frame = 1);
 
 /// Means of `factor` neighbours, for recordings sampled far faster than anything moves. Noise stays white under it.
 [[nodiscard]] Signals thinned(const Signals& s, Eigen::Index factor);

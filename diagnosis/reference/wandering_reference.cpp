@@ -6,7 +6,8 @@
 namespace stillpoint::diag {
 namespace {
 
-constexpr int kHarmonics = 8;  // of the recording's length: turns of more than 8 s a minute
+constexpr int kHarmonics = 8;          // of the recording's length: turns of more than 8 s a minute
+constexpr double kWanders_rad = 1e-3;  // cameras keep their calibration to half of that, markers on skin do not
 
 /// phi(t) x v, phi a sum of cosines over the recording; its mean is a wrong matrix.
 Columns slow_turns(const Signals& s, Sensor sensor) {
@@ -32,6 +33,14 @@ bool stands_beside_wandering(const Signals& s, const SensorSearch& search, const
   const double gain =
       fit_profile(t, joined(without, law.columns)).log_likelihood - fit_profile(t, without).log_likelihood;
   return gain > charge(law.names.size(), law.window) + kLeastNetBeside;
+}
+
+bool as_small_as_wandering(const Signals& s, const SensorSearch& search, const Found& law) {
+  if (s.exact_reference || law.offset.size()) return false;
+  const Fit fit = fit_profile(search.beside_walk(), joined(search.explained(), law.columns));
+  const auto p = static_cast<Eigen::Index>(law.columns.size());
+  const Series3 effect = contribution_of(law.columns, Eigen::VectorXd(fit.theta.tail(p)), s.n);
+  return effect.norm() < kWanders_rad * s.vector[search.sensor].norm();
 }
 
 }  // namespace stillpoint::diag

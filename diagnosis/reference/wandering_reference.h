@@ -8,4 +8,7 @@ namespace stillpoint::diag {
 /// the true vector go along with some product of drivers or other.
 [[nodiscard]] bool stands_beside_wandering(const Signals& s, const SensorSearch& search, const Found& law);
 
+/// Whether a milliradian of such a turn would do as much to the sensor as the law does.
+[[nodiscard]] bool as_small_as_wandering(const Signals& s, const SensorSearch& search, const Found& law);
+
 }  // namespace stillpoint::diag

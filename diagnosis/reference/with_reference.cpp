@@ -145,7 +145,8 @@ Answer diagnose_with_reference(const ReferencedRows& rows, const sim::Simulation
                                const Forensics& forensics, const std::vector<std::string>& without, std::size_t twins,
                                const std::function<void(double)>& progress, Answer answer) {
   const io::Recording& recording = rows.recording;
-  Result<Signals> made = make_signals(recording, simulation, masks(forensics), rows.log);
+  const auto a_frame = static_cast<Eigen::Index>(rows.rows_a_frame);
+  Result<Signals> made = make_signals(recording, simulation, masks(forensics), rows.log, a_frame);
   if (!made) return insufficient(made.error().message, std::move(answer));
   Signals& s = *made;
   if (s.duration_s() < kShortest_s)
@@ -164,7 +165,6 @@ Answer diagnose_with_reference(const ReferencedRows& rows, const sim::Simulation
   answer.effects = forensics.effects;
   if (rows.log == nullptr) find_reference_error(s, recording, simulation, answer);
   // Between its frames a noisy reference knows nothing of its own: the rows of one frame are one.
-  const auto a_frame = static_cast<Eigen::Index>(rows.rows_a_frame);
   if (a_frame > 1 && !s.exact_reference) s = thinned(s, a_frame);
   find_frame(s, simulation, answer);
   find_jitter(s, simulation, answer);

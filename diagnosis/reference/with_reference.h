@@ -14,7 +14,7 @@ struct AlignedLog;
 
 struct ReferencedRows {
   const io::Recording& recording;
-  std::size_t rows_a_frame = 1;     ///< of a reference that was drawn between its frames (sanity/rows_with_reference.h)
+  std::size_t rows_a_frame = 1;     ///< of a reference whose frames are slower (sanity/rows_with_reference.h)
   const AlignedLog* log = nullptr;  ///< of another simulator, in the reference's place; none where nullptr
 };
 

@@ -93,7 +93,8 @@ RowsWithReference rows_with_reference(const io::Recording& given, std::vector<st
                                   turns.rate_hz() < kSlowestFrames_Hz ? "too few to know the motion between them"
                                   : lines.rows_a_frame > 1 ? "drawn as lines between its frames, which count alone"
                                                            : "interpolated between its frames"));
-  return {std::move(r), lines.rows_a_frame};
+  const double rows_a_frame = turns.rate_hz() > 0 ? std::round(rows_hz / turns.rate_hz()) : 1.0;
+  return {std::move(r), static_cast<std::size_t>(std::max(rows_a_frame, 1.0))};
 }
 
 }  // namespace stillpoint::diag

@@ -11,7 +11,7 @@ namespace stillpoint::diag {
 
 struct RowsWithReference {
   std::optional<io::Recording> changed;  ///< none: the recording as it was
-  std::size_t rows_a_frame = 1;          ///< where the reference was drawn between slower frames
+  std::size_t rows_a_frame = 1;          ///< of a reference whose frames are slower
 };
 
 /// The recording with its lost rows put back as empty ones (with_lost_rows), without rows that hold a reference and no

@@ -9,7 +9,9 @@
 #include <tuple>
 
 #include "diagnosis/prove/prove.h"
+#include "diagnosis/reference/engine.h"
 #include "diagnosis/reference/evidence.h"
+#include "diagnosis/reference/findings.h"
 #include "diagnosis/reference/refine.h"
 #include "diagnosis/reference/response.h"
 #include "diagnosis/summary.h"
@@ -99,6 +101,30 @@ TEST(Engine, FindsNothingMoreOnceTheFindingIsInTheSimulation) {
   ASSERT_EQ(answer.effects.size(), 1u);
   config.effects = answer.effects;
   EXPECT_EQ(diagnose(recording, config).diagnosis.verdict, Verdict::kNoMismatch);
+}
+
+/// Beside other laws its numbers may go where no filter is.
+TEST(Engine, StatesNoFilterWhoseNumbersNoSensorHas) {
+  const auto config = baseline("exact", 60.0);
+  const auto recording = record(config, "acc_resonance", {{"f_hz", {20.0}}, {"zeta", {0.05}}}, 9);
+  const auto signals = make_signals(recording, config, {});
+  ASSERT_TRUE(signals);
+  EngineResult engine = search_all(*signals, {}, {});
+  ASSERT_EQ(engine.sensor[kAcc]->found.size(), 1U);
+  Found& found = engine.sensor[kAcc]->found.front();
+  ASSERT_EQ(found.id, "acc_resonance");
+  EXPECT_TRUE(found.possible(Eigen::Vector2d(20.0, 0.05)));
+  EXPECT_FALSE(found.possible(Eigen::Vector2d(20.0, -0.01)));
+  const auto said = [&] {
+    Answer answer;
+    report_sensor(*signals, engine, kAcc, {}, answer);
+    return answer;
+  };
+  EXPECT_THAT(names(said()), testing::ElementsAre("acc_resonance"));
+  found.timing[1] -= 0.2;  // what is fitted beside it is added to these
+  const Answer answer = said();
+  EXPECT_THAT(names(answer), testing::Not(testing::Contains("acc_resonance")));
+  EXPECT_THAT(answer.diagnosis.notices, testing::Contains(testing::HasSubstr("none that a sensor has")));
 }
 
 TEST(Engine, LocatesAStepOfTheHardIronToTheTenthOfASecond) {

@@ -5,7 +5,10 @@
 
 #include <cmath>
 #include <numeric>
+#include <random>
 
+#include "diagnosis/reference/band_limit.h"
+#include "diagnosis/sanity/rows_with_reference.h"
 #include "io/simulated_recording.h"
 #include "simulation/simulator.h"
 
@@ -88,6 +91,33 @@ TEST(Signals, FindNoRestWhereAQuietBoatSwings) {
     EXPECT_EQ(std::accumulate(s->rest.begin(), s->rest.end(), 0), 0) << reference;
     EXPECT_EQ(s->exact_reference, reference == "exact") << "known without a rest";
   }
+}
+
+TEST(Signals, KnowANoisyReferenceByItsFramesAndNotByWhatWasInterpolatedBetweenThem) {
+  auto config = baseline();
+  config.motion->kind = "boat";
+  config.reference = {.kind = "mocap", .orientation_sd_rad = 5e-4, .position_sd_m = 1e-4, .band_hz = 3.0};
+  io::Recording r = io::to_recording(sim::simulate(config, 5));
+  for (std::size_t i = 0; i < r.size(); ++i)
+    if (i % 2 != 0) r.ref_q_world_body[i].setConstant(io::kMissing), r.ref_position_m[i].setConstant(io::kMissing);
+  std::vector<std::string> notices;
+  const RowsWithReference rows = rows_with_reference(r, notices);
+  ASSERT_EQ(rows.rows_a_frame, 2U);
+  EXPECT_FALSE(make_signals(*rows.changed, config, {}, nullptr, 2)->exact_reference);
+}
+
+TEST(MotionBand, EndsWhereNoiseIsAlsoWithoutARest) {
+  std::mt19937 random(3);
+  std::normal_distribution<double> noise(0.0, 0.02);
+  const double dt_s = 0.01;
+  Series3 x(6000, 3);
+  for (Eigen::Index i = 0; i < x.rows(); ++i)
+    for (int axis = 0; axis < 3; ++axis)
+      x(i, axis) = std::sin(2.0 * M_PI * 1.3 * dt_s * static_cast<double>(i) + axis) + noise(random);
+  const Mask none(static_cast<std::size_t>(x.rows()), 0);
+  const double band_Hz = motion_band_hz(x, none, dt_s, 60.0, 1.5, 20.0);
+  EXPECT_GE(band_Hz, 1.2);
+  EXPECT_LT(band_Hz, 4.0) << "above there is only what the residual has, too";
 }
 
 TEST(Signals, TakeAReferenceOfFewDecimalsForANoisyOne) {

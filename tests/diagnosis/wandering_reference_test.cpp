@@ -39,5 +39,21 @@ TEST(WanderingReference, ItsTurnsAreNoLaw) {
   EXPECT_TRUE(stands_beside_wandering(*s, search, product)) << "an exact reference does not turn";
 }
 
+TEST(WanderingReference, MayBeWhatASmallLawOfTheAccelerometerIsTakenFor) {
+  auto config = test::baseline("mocap", 60.0);
+  config.environment.temperature = {.kind = "warm_up", .start_degC = 22.0, .rise_K = 12.0, .tau_s = 40.0};
+  for (const auto& [k, small] : {std::pair{3e-4, true}, std::pair{1e-2, false}}) {
+    const io::Recording r = test::record(config, "acc_temp_lin", {{"k_mps2_per_K", {k, -k, k}}}, 11);
+    Result<Signals> s = make_signals(r, config, {});
+    ASSERT_TRUE(s);
+    Found law;
+    law.id = "acc_temp_lin";
+    for (int axis = 0; axis < 3; ++axis) law.columns.push_back({axis, s->temperature_K});
+    EXPECT_EQ(as_small_as_wandering(*s, start_search(*s, kAcc), law), small) << k;
+    s->exact_reference = true;
+    EXPECT_FALSE(as_small_as_wandering(*s, start_search(*s, kAcc), law));
+  }
+}
+
 }  // namespace
 }  // namespace stillpoint::diag
