@@ -7,6 +7,7 @@
 #include "diagnosis/discovery/law_words.h"
 #include "diagnosis/reference/evidence.h"
 #include "diagnosis/reference/judge.h"
+#include "diagnosis/reference/wandering_reference.h"
 
 namespace stillpoint::diag {
 namespace {
@@ -64,14 +65,16 @@ struct Discovered {
 };
 
 /// What would not be stated must not stand in the place of what would.
-bool holds_elsewhere(const SensorSearch& search, const Term& term) {
+bool may_be_stated(const Signals& s, const SensorSearch& search, const Found& law) {
+  if (!varies(search, law)) return false;
+  if (as_small_as_wandering(s, search, law) && !stands_beside_wandering(s, search, law)) return false;
   SensorSearch with = search;
-  with.found.push_back(term.found);
+  with.found.push_back(law);
   return !fails_elsewhere(held_out_by_regime(with, {with.found.size() - 1}));
 }
 
 /// Terms one after another, as long as each pays for itself.
-std::optional<Discovered> terms_beside(LawSearch& laws, SensorSearch base, double least) {
+std::optional<Discovered> terms_beside(const Signals& s, LawSearch& laws, SensorSearch base, double least) {
   Discovered out{std::move(base), 0.0, 0.0};
   double first = 0.0;
   for (std::size_t round = 0; round < kMostTerms; ++round) {
@@ -80,7 +83,7 @@ std::optional<Discovered> terms_beside(LawSearch& laws, SensorSearch base, doubl
       return t.found.net_nats < kOfTheBest * terms.front().found.net_nats;
     });
     const auto chosen =
-        std::find_if(terms.begin(), another, [&](const Term& t) { return holds_elsewhere(out.search, t); });
+        std::find_if(terms.begin(), another, [&](const Term& t) { return may_be_stated(s, out.search, t.found); });
     if (chosen == another) break;
     const Term& t = *chosen;
     const double gain = std::min(t.found.gain_nats, robust_nats(out.search, t.found));
@@ -115,7 +118,7 @@ void discover_in(const Signals& s, SensorSearch& sensor) {
   std::optional<Discovered> best;
   double most = worth(sensor, 0.0) + kBetter - kShareOfATable * gain_of_no_law(sensor);
   const auto consider = [&](const SensorSearch& base, double least, double margin) {
-    auto d = terms_beside(laws, base, least);
+    auto d = terms_beside(s, laws, base, least);
     const double value = d ? worth(d->search, d->bits) - margin : most;
     if (value > most) most = value, best = std::move(d);
   };

@@ -10,6 +10,7 @@ namespace stillpoint::diag {
 namespace {
 
 constexpr double kPlainOffsetNats = 6.0;
+constexpr double kPartShare = 1e-4;  // of a product's gain: what a factor has to explain to be named
 constexpr double kArmsAgree = 0.95;  // three arms of the size effect that agree are one lever arm
 constexpr double kStepInBody = 0.4;  // of a soft step's gain
 constexpr double kRowsLost = 0.95;   // a delay from one row on: rows are missing there
@@ -107,7 +108,14 @@ Found most_believable(const std::vector<Found>& sorted, bool current_recorded) {
   const auto first = [&sorted](const auto& holds) { return first_of(sorted, holds); };
   if (best.kind == Kind::kUnknown) {
     const Found* named = first([](const Found& f) { return f.kind != Kind::kUnknown; });
-    if (named == nullptr || best.net_nats >= named->net_nats + adequate_within(*named)) return best;
+    if (named == nullptr || best.net_nats >= named->net_nats + adequate_within(*named)) {
+      // A factor that hardly varies here, such as gravity on a turntable, is nothing that was seen to matter.
+      const Found* part = first([&best](const Found& f) {
+        return is_part_of(f.id, best.id) &&
+               f.net_nats > best.net_nats - std::max(tie_nats(best.window), kPartShare * best.gain_nats);
+      });
+      return part != nullptr ? *part : best;
+    }
     return named->window.local && best.id == kPlainOffset ? best : *named;
   }
   if (best.kind == Kind::kNamed && best.window.local && (follows_a_column(best.id) || !best.id.starts_with("mag_"))) {

@@ -41,5 +41,7 @@ struct Law {
 [[nodiscard]] std::vector<Law> make_laws(const Signals& s, Sensor sensor);
 /// Products of drivers outside the catalogue, about two hundred a sensor.
 [[nodiscard]] std::vector<Law> make_unknown_laws(const Signals& s, Sensor sensor);
+/// By their names: a product of some, not all, of another's factors; (V-V0) is one of f_x*(V-V0).
+[[nodiscard]] bool is_part_of(const std::string& part, const std::string& whole);
 
 }  // namespace stillpoint::diag

@@ -1,7 +1,10 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <map>
 #include <memory>
+#include <set>
+#include <sstream>
 
 #include "diagnosis/reference/columns.h"
 #include "diagnosis/reference/driver_unit.h"
@@ -223,6 +226,19 @@ std::vector<Law> make_unknown_laws(const Signals& s, Sensor sensor) {
   std::vector<Law> laws = products.take();
   drop_inseparable(s, sensor, laws);
   return laws;
+}
+
+bool is_part_of(const std::string& part, const std::string& whole) {
+  constexpr std::string_view kPrefix = "unknown:";
+  if (!part.starts_with(kPrefix) || !whole.starts_with(kPrefix)) return false;
+  const auto factors = [&](const std::string& id) {
+    std::multiset<std::string> out;
+    std::istringstream names(id.substr(kPrefix.size()));
+    for (std::string name; std::getline(names, name, '*');) out.insert(name);
+    return out;
+  };
+  const auto some = factors(part), all = factors(whole);
+  return some.size() < all.size() && std::includes(all.begin(), all.end(), some.begin(), some.end());
 }
 
 }  // namespace stillpoint::diag

@@ -1,6 +1,7 @@
 #include "diagnosis/reference/selection.h"
 
 #include <Eigen/Cholesky>
+#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 
@@ -77,6 +78,13 @@ std::vector<Candidate> short_list(const SensorSearch& search, const Judge& judge
   const std::vector<Candidate> all =
       look_at(search, search.laws.size() + search.unknown.size(), Scan(judge.without_walk(), explained, noise));
   shorten(search, all, kShortNamed, kShortUnknown, out);
+  // Whatever is a product has to stand against its own factors.
+  const std::size_t products = out.size();
+  for (const Candidate& c : all)
+    if (std::any_of(out.begin(), out.begin() + static_cast<std::ptrdiff_t>(products), [&](const Candidate& product) {
+          return product.window.local == c.window.local && is_part_of(search.law(c.law).id, search.law(product.law).id);
+        }))
+      shorten(search, {c}, 0, 1, out);
   if (judge.walking())
     shorten(search, look_at(search, search.laws.size(), Scan(judge.beside_walk(), explained, noise)), kShortBesideWalk,
             0, out);
@@ -131,6 +139,7 @@ std::optional<Found> chosen(const Signals& s, const SensorSearch& search, const 
     if (!possible(search, *best)) return std::nullopt;  // what comes next would take the same misfit's place
     if (!leaves_less(search, *best)) return std::nullopt;
     if (robust_nats(search, *best) < charge(best->names.size(), best->window)) return std::nullopt;
+    if (is_unknown(best->id) && !varies(search, *best)) return std::nullopt;
     // Half a milliradian of a camera's calibration is as large as a good magnetometer's noise, and turns gravity by
     // more than temperature moves a good accelerometer: no name is stated of it.
     const bool may_be_the_camera = search.sensor == kMag || (is_unknown(best->id) && !best->window.local) ||
@@ -267,6 +276,25 @@ void accept(SensorSearch& search, Found found) {
     search = std::move(without);
     return;
   }
+}
+
+Series3 effect_of(const SensorSearch& search, const Found& law) {
+  const Fit fit = fit_profile(search.beside_walk(), joined(search.explained(), law.columns));
+  const auto p = static_cast<Eigen::Index>(law.columns.size());
+  return contribution_of(law.columns, Eigen::VectorXd(fit.theta.tail(p)), search.target.layout.n);
+}
+
+Series3 beyond_matrix(const SensorSearch& search, const Series3& effect) {
+  const Eigen::MatrixXd z = search.target.layout.counts.matrix().asDiagonal() * search.target.nuisance;
+  const Series3 seen = search.target.layout.counts.matrix().asDiagonal() * effect;
+  return seen - z * z.colPivHouseholderQr().solve(seen);
+}
+
+bool varies(const SensorSearch& search, const Found& law) {
+  constexpr double kTrace = 0.01;
+  if (law.offset.size() || law.columns.empty()) return true;
+  const Series3 effect = effect_of(search, law);
+  return beyond_matrix(search, effect).norm() > kTrace * effect.norm();
 }
 
 void take_out(SensorSearch& search, std::size_t index) {

@@ -85,6 +85,14 @@ inline constexpr double kLeastShareOfFirst = 0.02;
 /// Adds it to the model, then drops any earlier effect that it makes superfluous.
 void accept(SensorSearch& search, Found found);
 /// The model without effect `index`: what it explained is residual again.
+/// What a linear law does, with the coefficients that it has beside all that was found (n x 3).
+[[nodiscard]] Series3 effect_of(const SensorSearch& search, const Found& law);
+/// What bias and matrix leave of an effect, in the rows that count; 0 in the others.
+[[nodiscard]] Series3 beyond_matrix(const SensorSearch& search, const Series3& effect);
+/// Whether what bias and matrix leave of a law is more than a trace of it. On a turntable `up` hardly varies: a
+/// coefficient of 50 uT fits 0.03 uT of a camera's noise, and every other motion would be made worse by all of it.
+[[nodiscard]] bool varies(const SensorSearch& search, const Found& law);
+
 void take_out(SensorSearch& search, std::size_t index);
 
 /// Noise for scanning: what is left after a flexible smooth model, so that the effect sought is not taken for noise.

@@ -16,6 +16,7 @@ namespace {
 constexpr double kMotionOverNoise =
     60.0;  // power; the noise in a driver then costs a candidate less than it costs to be named
 constexpr double kVibration_Hz = 15.0;
+constexpr double kStill_rad = 5e-3, kStill_m = 5e-3;  // rms; ten times what cameras err by
 constexpr double kEnds_s = 0.6;  // where differences are one-sided and filters lean on the mirror image
 
 void mute_ends(Mask& mask, Eigen::Index n, Eigen::Index ends) {
@@ -87,6 +88,13 @@ void hold_at_rest(Signals& s) {
   }
 }
 
+/// An axis of the world, or a place, that keeps still in the body but for what a camera's own noise does to it: the
+/// vertical of a turntable, the centre of it. As a driver it would be that noise, which the residual has, too.
+void hold_if_still(Series3& x, double still) {
+  const Eigen::RowVector3d mean = x.colwise().mean();
+  if ((x.rowwise() - mean).norm() < still * std::sqrt(static_cast<double>(x.rows()))) x.rowwise() = mean;
+}
+
 /// Which signal stands for the true vector: a noiseless reference; else the sensor itself, which is quieter than a
 /// differentiated camera, in the band where things move.
 void choose_vectors(Signals& s) {
@@ -95,8 +103,8 @@ void choose_vectors(Signals& s) {
     return apply_response(x, s.rows, low_pass(motion_band_hz(x, s.rest, s.dt_s, kMotionOverNoise, 1.5, highest)));
   };
   if (!s.exact_reference) {
-    for (Series3& axis : s.world_axis) axis = limited(axis);
-    if (s.has_position) s.position_m = limited(s.position_m);
+    for (Series3& axis : s.world_axis) axis = limited(axis), hold_if_still(axis, kStill_rad);
+    if (s.has_position) s.position_m = limited(s.position_m), hold_if_still(s.position_m, kStill_m);
   }
   for (int k = 0; k < kSensors; ++k) {
     const bool predicted = s.exact_reference || !s.present[k] || k == kMag || s.from_log;

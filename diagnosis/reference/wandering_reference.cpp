@@ -37,10 +37,7 @@ bool stands_beside_wandering(const Signals& s, const SensorSearch& search, const
 
 bool as_small_as_wandering(const Signals& s, const SensorSearch& search, const Found& law) {
   if (s.exact_reference || law.offset.size()) return false;
-  const Fit fit = fit_profile(search.beside_walk(), joined(search.explained(), law.columns));
-  const auto p = static_cast<Eigen::Index>(law.columns.size());
-  const Series3 effect = contribution_of(law.columns, Eigen::VectorXd(fit.theta.tail(p)), s.n);
-  return effect.norm() < kWanders_rad * s.vector[search.sensor].norm();
+  return beyond_matrix(search, effect_of(search, law)).norm() < kWanders_rad * s.vector[search.sensor].norm();
 }
 
 }  // namespace stillpoint::diag

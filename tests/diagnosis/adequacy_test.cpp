@@ -96,5 +96,43 @@ TEST(Adequacy, AShiftAfterWhichMoreIsLeftIsNoLaw) {
   EXPECT_FALSE(leaves_less(search, shift));
 }
 
+/// On a turntable the vertical wobbles by a thousandth; bias and matrix take the rest of a law of it.
+TEST(Adequacy, ADriverThatHardlyVariedIsNoneOfALaw) {
+  Result<Signals> s = make_signals(record(baseline("mocap", 60.0), "", {}, 5), baseline("mocap", 60.0), {});
+  ASSERT_TRUE(s);
+  SensorSearch search = start_search(*s, kMag);
+  Found law;
+  law.id = "unknown:up";
+  for (const double wobble : {1e-3, 0.3}) {
+    law.columns.clear();
+    search.target.residual.setZero();
+    for (int axis = 0; axis < 3; ++axis) {
+      const Series up = Series::Ones(s->n) + wobble * (0.7 * s->t_s.array()).sin().matrix();
+      law.columns.push_back({axis, up});
+      search.target.residual.col(axis) = 50.0 * up;
+    }
+    EXPECT_EQ(varies(search, law), wobble > 0.1) << wobble;
+  }
+}
+
+TEST(Adequacy, AFactorThatWasNotSeenToMatterIsNotNamed) {
+  EXPECT_TRUE(is_part_of("unknown:(V-V0)", "unknown:f_x*(V-V0)"));
+  EXPECT_TRUE(is_part_of("unknown:(T-T0)", "unknown:(T-T0)*(T-T0)"));
+  EXPECT_FALSE(is_part_of("unknown:f_x*(V-V0)", "unknown:f_x*(V-V0)"));
+  EXPECT_FALSE(is_part_of("unknown:f", "unknown:f_x*(V-V0)"));
+  EXPECT_FALSE(is_part_of("acc_volt", "unknown:f_x*(V-V0)"));
+  const auto found = [](const char* id, double nats) {
+    Found f;
+    f.id = id;
+    f.kind = Kind::kUnknown;
+    f.gain_nats = f.net_nats = nats;
+    return f;
+  };
+  EXPECT_EQ(best_explanation({found("unknown:f_x*(V-V0)", 900), found("unknown:(V-V0)", 898)}, true)->id,
+            "unknown:(V-V0)");
+  EXPECT_EQ(best_explanation({found("unknown:f_x*(V-V0)", 900), found("unknown:(V-V0)", 800)}, true)->id,
+            "unknown:f_x*(V-V0)");
+}
+
 }  // namespace
 }  // namespace stillpoint::diag
