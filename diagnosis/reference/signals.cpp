@@ -88,11 +88,20 @@ void hold_at_rest(Signals& s) {
   }
 }
 
-/// An axis of the world, or a place, that keeps still in the body but for what a camera's own noise does to it: the
-/// vertical of a turntable, the centre of it. As a driver it would be that noise, which the residual has, too.
-void hold_if_still(Series3& x, double still) {
-  const Eigen::RowVector3d mean = x.colwise().mean();
-  if ((x.rowwise() - mean).norm() < still * std::sqrt(static_cast<double>(x.rows()))) x.rowwise() = mean;
+bool keeps_still(const Series3& x, double still) {
+  return (x.rowwise() - x.colwise().mean()).norm() < still * std::sqrt(static_cast<double>(x.rows()));
+}
+
+/// An axis of the world, or a place, that keeps still in a body that turns but for what a camera's own noise does to
+/// it: the vertical of a turntable, the centre of it. As a driver it would be that noise, which the residual has, too.
+void hold_what_keeps_still(Signals& s) {
+  const auto hold = [](Series3& x, double still) {
+    if (keeps_still(x, still)) x.rowwise() = x.colwise().mean().eval();
+  };
+  const auto still = [](const Series3& axis) { return keeps_still(axis, kStill_rad); };
+  if (std::all_of(s.world_axis.begin(), s.world_axis.end(), still)) return;
+  for (Series3& axis : s.world_axis) hold(axis, kStill_rad);
+  if (s.has_position) hold(s.position_m, kStill_m);
 }
 
 /// Which signal stands for the true vector: a noiseless reference; else the sensor itself, which is quieter than a
@@ -103,8 +112,9 @@ void choose_vectors(Signals& s) {
     return apply_response(x, s.rows, low_pass(motion_band_hz(x, s.rest, s.dt_s, kMotionOverNoise, 1.5, highest)));
   };
   if (!s.exact_reference) {
-    for (Series3& axis : s.world_axis) axis = limited(axis), hold_if_still(axis, kStill_rad);
-    if (s.has_position) s.position_m = limited(s.position_m), hold_if_still(s.position_m, kStill_m);
+    for (Series3& axis : s.world_axis) axis = limited(axis);
+    if (s.has_position) s.position_m = limited(s.position_m);
+    hold_what_keeps_still(s);
   }
   for (int k = 0; k < kSensors; ++k) {
     const bool predicted = s.exact_reference || !s.present[k] || k == kMag || s.from_log;

@@ -7,6 +7,7 @@
 #include <numeric>
 #include <random>
 
+#include "core/so3.h"
 #include "diagnosis/reference/band_limit.h"
 #include "diagnosis/sanity/rows_with_reference.h"
 #include "io/simulated_recording.h"
@@ -104,6 +105,29 @@ TEST(Signals, KnowANoisyReferenceByItsFramesAndNotByWhatWasInterpolatedBetweenTh
   const RowsWithReference rows = rows_with_reference(r, notices);
   ASSERT_EQ(rows.rows_a_frame, 2U);
   EXPECT_FALSE(make_signals(*rows.changed, config, {}, nullptr, 2)->exact_reference);
+}
+
+TEST(Signals, HoldTheVerticalAndThePlaceOfATurntableStillBesideACamera) {
+  std::mt19937 random(3);
+  std::normal_distribution<double> normal;
+  const auto noise = [&](double sd) { return Vec3(sd * normal(random), sd * normal(random), sd * normal(random)); };
+  io::Recording r;
+  for (int i = 0; i < 6000; ++i) {
+    const double t_s = 0.005 * i, turned_rad = std::cos(0.4 * t_s);
+    const Quat seen = exp_quat(Vec3(0, 0, turned_rad)) * exp_quat(noise(5e-4));
+    r.t_ns.push_back(5'000'000LL * i);
+    r.ref_q_world_body.emplace_back(seen.w(), seen.x(), seen.y(), seen.z());
+    r.ref_position_m.push_back(noise(1e-4));
+    r.acc_mps2.push_back(Vec3(0, 0, 9.80665) + noise(0.02));
+    r.gyr_radps.push_back(Vec3(0, 0, -0.4 * std::sin(0.4 * t_s)) + noise(1e-3));
+    r.mag_uT.push_back(Vec3(20, 0, -40) + noise(0.3));
+  }
+  const auto s = make_signals(r, baseline(), {});
+  ASSERT_TRUE(s && !s->exact_reference);
+  const auto wobble = [](const Series3& x) { return (x.rowwise() - x.colwise().mean()).cwiseAbs().maxCoeff(); };
+  EXPECT_LT(wobble(s->world_axis[2]), 1e-12);
+  EXPECT_LT(wobble(s->position_m), 1e-12);
+  EXPECT_GT(wobble(s->world_axis[0]), 0.5) << "it turns";
 }
 
 TEST(MotionBand, EndsWhereNoiseIsAlsoWithoutARest) {
