@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 #include <zlib.h>
 
+#include <cstdlib>
 #include <cstring>
 #include <fstream>
 #include <string>
@@ -47,8 +48,9 @@ inline std::string table(const std::vector<RawSample>& samples, const Written& w
   return text;
 }
 
-/// Where a file of this process may stand: tests of one name run side by side.
+/// Where a file of this process may stand: tests of one name run side by side. TEST_TMPDIR keeps it for others to read.
 inline std::string scratch(const std::string& name) {
+  if (const char* kept = std::getenv("TEST_TMPDIR")) return kept + name;
   static const ScratchFolder folder;
   return folder / name;
 }
