@@ -8,10 +8,10 @@
 #include "diagnosis/forensics/forensics.h"
 #include "diagnosis/no_reference/no_reference.h"
 #include "diagnosis/reference/with_reference.h"
-#include "diagnosis/sanity/field_rows.h"
 #include "diagnosis/sanity/readings.h"
 #include "diagnosis/sanity/rows_with_reference.h"
 #include "diagnosis/sanity/sanity.h"
+#include "diagnosis/sanity/sensor_rows.h"
 #include "diagnosis/trajectory/trajectory.h"
 
 namespace stillpoint::diag {
@@ -63,8 +63,10 @@ Answer diagnose(const io::Recording& given_recording, const sim::SimulationConfi
   Answer answer;
   auto& notices = answer.diagnosis.notices;
   const auto clean = without_false_values(given_recording, notices);
-  const auto joined = with_field_on_rows(clean ? *clean : given_recording, notices);
-  const io::Recording& recording = joined ? *joined : clean ? *clean : given_recording;
+  const io::Recording& usable = clean ? *clean : given_recording;
+  const auto inertial = with_inertial_on_rows(usable, notices);
+  const auto joined = with_field_on_rows(inertial ? *inertial : usable, notices);
+  const io::Recording& recording = joined ? *joined : inertial ? *inertial : usable;
   RowsWithReference with_frames;
   if (!recording.ref_q_world_body.empty()) with_frames = rows_with_reference(recording, notices);
   auto& even = with_frames.changed;

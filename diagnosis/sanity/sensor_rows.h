@@ -1,4 +1,4 @@
-/// A magnetometer whose readings stand in rows of their own.
+/// Sensors whose readings stand in rows of their own.
 #pragma once
 #include <optional>
 #include <string>
@@ -7,6 +7,12 @@
 #include "io/recording.h"
 
 namespace stillpoint::diag {
+
+/// The recording with one row for every reading of the slower inertial sensor, the other interpolated to those rows,
+/// and without the rows that hold the other alone: a logger that writes each sensor at its own stamps. A notice says
+/// which. None where they share their rows.
+[[nodiscard]] std::optional<io::Recording> with_inertial_on_rows(const io::Recording& recording,
+                                                                 std::vector<std::string>& notices);
 
 /// The recording with the field interpolated to the rows of the inertial sensors, and without the rows that hold a
 /// field alone. A magnetometer slower than they are would be given readings it never took, with a noise that no noise
