@@ -138,7 +138,7 @@ int run(int seconds, int rate_hz, const std::filesystem::path& folder) {
     // An iiod sends until it is cut off: what it has in hand then was never asked for.
     const double in_hand = i == 3 ? 0.02 * hz + kSettle_s * hz : 0.0;
     // The stamps of the ROS 2 driver are those of its writes, and as uneven as these.
-    whole = whole && (gaps == 0 || i == 2) && through >= static_cast<double>(doors[i].sent) - in_hand;
+    whole = whole && refused == 0 && (gaps == 0 || i == 2) && through >= static_cast<double>(doors[i].sent) - in_hand;
     fmt::print("| {} | {} | {:.0f} | {:.0f} | {:.0f} | {:.1f} | {:.1f} | {:.0f} | {:.2f}, {:.2f} |\n", doors[i].name,
                doors[i].sent, through, refused, gaps, middle, late, said(log, "max"), middle / p50, late / p99);
     if (!(through > 0) || refused > 0) fmt::print(stderr, "{}\n", log);

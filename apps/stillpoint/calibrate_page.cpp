@@ -178,8 +178,8 @@ std::string known_turn_table(const CalibrationRun& run) {
   if (run.known_turns.empty()) return "";
   std::string s =
       "<h2>Turns of known angle</h2><p class=\"how\">What the gyroscope read of them with the matrix at first, and "
-      "with "
-      "the one that was learnt.</p><table><tr><th>from, to</th><th class=\"n\">stated</th><th class=\"n\">before</th>"
+      "with the one that was learnt.</p><table><tr><th>from, to</th><th class=\"n\">stated</th><th "
+      "class=\"n\">before</th>"
       "<th class=\"n\">after</th><th>unit</th><th class=\"n\">off, in deviations</th><th></th></tr>";
   for (const KnownTurnReport& t : run.known_turns)
     s += fmt::format(
