@@ -10,6 +10,9 @@ namespace {
 constexpr double kAbsurd = 1e3;
 /// Without a gyroscope reading for so many accelerometer readings, and overdue besides, the accelerometer leads.
 constexpr int kGyroscopeSilentRows = 8;
+/// ... and for so long: sensors begin one after the other, and a device hands its readings on in blocks, which a busy
+/// machine holds up. Readings of the gyroscope behind one that led would be lost.
+constexpr std::int64_t kGyroscopeAwaited_ns = 100'000'000;
 /// Of the usual gap: a gyroscope that misses a few readings still leads.
 constexpr double kSilentOverGap = 4.0;
 /// A row of its own that lies further ahead is on another clock.
@@ -38,9 +41,14 @@ bool GuardStage::leads(const RawSample& in) noexcept {
     rows_without_gyr_ = 0;
     return true;
   }
-  if (!in.holds(kAcc)) return false;
-  if (!gyr_seen_) return true;
-  return ++rows_without_gyr_ > kGyroscopeSilentRows &&
+  if (!in.holds(kAcc) || !SensorClock::is_time(in.t_ns)) return false;
+  if (rows_without_gyr_ == 0 || in.t_ns < silent_since_ns_) silent_since_ns_ = in.t_ns;
+  if (rows_without_gyr_ < kGyroscopeSilentRows) {
+    ++rows_without_gyr_;
+    return false;
+  }
+  if (in.t_ns - silent_since_ns_ < kGyroscopeAwaited_ns) return false;
+  return !gyr_seen_ ||
          times_[part_index(kGyr)].overdue(clock_.in_pipeline_time(in.t_ns), kSilentOverGap * params_.gap_factor);
 }
 

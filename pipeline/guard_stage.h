@@ -105,8 +105,9 @@ class GuardStage {
   SpikeGate acc_spikes_{320.0}, gyr_spikes_{30.0},
       mag_spikes_{500.0};  ///< beyond the swing of 16 g, 860 deg/s, a magnet at hand
   std::uint64_t last_sequence_ = 0;
-  int rows_without_gyr_ = 0;  ///< with an accelerometer reading, in a row
-  double temp_degC_ = 25.0;   ///< the last one measured
+  int rows_without_gyr_ = 0;          ///< with an accelerometer reading, in a row
+  std::int64_t silent_since_ns_ = 0;  ///< of the first of these
+  double temp_degC_ = 25.0;           ///< the last one measured
   bool started_ = false, gyr_seen_ = false, temp_known_ = false, temp_fresh_ = false;
 };
 

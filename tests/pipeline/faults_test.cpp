@@ -110,7 +110,7 @@ TEST(Faults, TimesAtTheEndsOfWhatAClockCanCountDoNoHarm) {
   std::size_t passed = 0;
   for (const std::int64_t base : {-kLargest - 1, -kFar, kFar - 1000, kLargest - 1000, -kFar, std::int64_t{0}})
     for (std::int64_t k = 0; k < 20; ++k) {
-      const RawSample in{.t_ns = base + 10 * k, .acc_mps2 = {0, 0, 9.8}, .has = kAcc};
+      const RawSample in{.t_ns = base + 10 * k, .acc_mps2 = {0, 0, 9.8}, .has = kAcc | kGyr};
       if (guard.process(in, out) == StageStatus::kDrop) continue;
       ++passed;
       EXPECT_GT(out.sample.t_ns, last_ns);

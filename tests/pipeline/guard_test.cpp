@@ -79,8 +79,6 @@ TEST(Guard, AGapIsAStepLongerThanSoManyUsualOnes) {
 
 TEST(Guard, TheAccelerometerLeadsOnlyWhereTheGyroscopeIsSilent) {
   Rows rows;
-  rows.push(10 * kMs, 1, kAcc);
-  EXPECT_TRUE(rows.out.leads) << "nobody has heard a gyroscope yet";
   for (int k = 0; k < 100; ++k) rows.push(10 * kMs);
   for (int k = 1; k <= 20; ++k) {
     rows.push(10 * kMs, 1, kAcc);
@@ -95,6 +93,41 @@ TEST(Guard, TheAccelerometerLeadsOnlyWhereTheGyroscopeIsSilent) {
   EXPECT_TRUE(rows.out.leads);
   rows.push(10 * kMs, 1, kAcc);
   EXPECT_FALSE(rows.out.leads) << "it speaks again";
+}
+
+TEST(Guard, TheAccelerometerWaitsAtTheStartForAGyroscopeThatBeginsLater) {
+  Rows rows;
+  for (int k = 0; k < 5; ++k) {
+    rows.push(1 * kMs, 1, kAcc);
+    EXPECT_FALSE(rows.out.leads) << k;
+  }
+  rows.push(-3 * kMs, 1, kGyr);  // the first block of another device: as old as the first one
+  EXPECT_TRUE(rows.out.leads);
+  EXPECT_EQ(rows.guard.counts().refused, 0U);
+  EXPECT_EQ(rows.guard.counts().samples, 1U);
+}
+
+TEST(Guard, TheAccelerometerLeadsFromATenthOfASecondOnWhereNoGyroscopeBegins) {
+  Rows rows;
+  for (int k = 1; k <= 30; ++k) {
+    rows.push(10 * kMs, 1, kAcc);
+    EXPECT_EQ(rows.out.leads, k > 10) << k;
+  }
+}
+
+/// At 1 kHz 40 ms are forty steps, and no longer than a machine may hold a block up.
+TEST(Guard, AGyroscopeWhoseBlockIsHeldUpStillLeads) {
+  Rows rows;
+  for (int k = 0; k < 100; ++k) rows.push(1 * kMs);
+  for (int k = 0; k < 40; ++k) {
+    rows.push(1 * kMs, 1, kAcc);
+    EXPECT_FALSE(rows.out.leads) << k;
+  }
+  rows.push(-39 * kMs, 1, kGyr);
+  EXPECT_TRUE(rows.out.leads);
+  EXPECT_EQ(rows.guard.counts().refused, 0U);
+  for (int k = 0; k < 200; ++k) rows.push(1 * kMs, 1, kAcc);
+  EXPECT_TRUE(rows.out.leads) << "this one is silent";
 }
 
 TEST(Guard, SaysWhichSensorsAreOverdueByTheirOwnStep) {
