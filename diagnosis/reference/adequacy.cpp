@@ -95,6 +95,9 @@ bool follows_a_column(const std::string& id) {
   return id.ends_with("_temp_lin") || id.ends_with("_volt") || id.ends_with("_current");
 }
 
+/// What an offset is in the magnetometer: iron on the body, or a field that changed.
+bool is_plain_step(const std::string& id) { return id == "mag_hard_step" || id == "mag_field_step"; }
+
 /// The first of the sorted ones that holds; null: none.
 template <class Holds>
 const Found* first_of(const std::vector<Found>& sorted, const Holds& holds) {
@@ -118,8 +121,8 @@ Found most_believable(const std::vector<Found>& sorted, bool current_recorded) {
     }
     return named->window.local && best.id == kPlainOffset ? best : *named;
   }
-  if (best.kind == Kind::kNamed && best.window.local && (follows_a_column(best.id) || !best.id.starts_with("mag_"))) {
-    const Found* offset = first([](const Found& f) { return f.id == kPlainOffset || f.id == "mag_hard_step"; });
+  if (best.kind == Kind::kNamed && best.window.local && !best.id.ends_with("_step")) {
+    const Found* offset = first([](const Found& f) { return f.id == kPlainOffset || is_plain_step(f.id); });
     if (offset != nullptr && offset->net_nats > best.net_nats - kPlainOffsetNats) return *offset;
   }
   const auto instead = [&](const char* id, double share) {

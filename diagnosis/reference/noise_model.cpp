@@ -5,10 +5,13 @@
 #include <complex>
 #include <numbers>
 
+#include "diagnosis/median.h"
+
 namespace stillpoint::diag {
 namespace {
 
 constexpr double kFewestRegime_s = 3.0, kFewestRegime = 300.0;  // fewer rows give no autoregression of their own
+constexpr double kBurst = 4.0;                                  // times the usual power of a block
 constexpr double kLeastCounted = 0.5;  // of the valid samples; a filter that leaves fewer between the holes is too long
 
 /// Levinson-Durbin on autocorrelations of lag 0..order. Returns the prediction coefficients.
@@ -95,6 +98,30 @@ Layout make_layout(const Signals& s, Sensor sensor) {
   }
   layout.counts = layout.present;
   return layout;
+}
+
+Layout without_bursts(const Layout& layout, const Series3& leftover) {
+  Layout out = layout;
+  for (int regime = 0; regime < layout.regimes; ++regime) {
+    std::vector<std::pair<double, Segment>> blocks;  // with their power; long enough to have one
+    for (const Segment& g : layout.segments)
+      for (Eigen::Index b = g.begin; g.regime == regime && b < g.end; b += layout.block) {
+        const Eigen::Index length = std::min(layout.block, g.end - b);
+        const double here = layout.present.segment(b, length).sum();
+        if (here < kLeastCounted * static_cast<double>(layout.block)) continue;
+        const double power =
+            (leftover.middleRows(b, length).rowwise().squaredNorm().array() * layout.present.segment(b, length)).sum();
+        blocks.push_back({power / here, {b, b + length, regime}});
+      }
+    if (blocks.empty()) continue;
+    std::vector<double> powers;
+    for (const auto& block : blocks) powers.push_back(block.first);
+    const double usual = median(std::move(powers));
+    for (const auto& [power, g] : blocks)
+      if (power > kBurst * usual) out.present.segment(g.begin, g.end - g.begin).setZero();
+  }
+  count_samples(out);
+  return out;
 }
 
 NoiseModel::NoiseModel(const Layout& layout, const Series3& leftover) : inverse_scale_(layout.n, 3) {

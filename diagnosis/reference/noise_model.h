@@ -31,6 +31,10 @@ struct Layout {
 
 [[nodiscard]] Layout make_layout(const Signals& s, Sensor sensor);
 
+/// The same without the blocks in which more than noise is left over: for a noise model of what lies between them. No
+/// block is left out of a leftover that is alike throughout.
+[[nodiscard]] Layout without_bursts(const Layout& layout, const Series3& leftover);
+
 class NoiseModel {
  public:
   /// Fitted to what a model leaves over (n x 3).

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "diagnosis/reference/golden_section.h"
 #include "diagnosis/reference/timing_in_window.h"
@@ -11,7 +12,8 @@ namespace {
 
 constexpr int kEdgeSteps = 5;
 constexpr double kEdgeReach_s = 1.0;
-constexpr double kNatsForAnEdge = 6.0;  // logarithm of the places it could have
+constexpr std::size_t kMostStretches = 2;  // in which a sensor's own delay is sought: of one number, and of two
+constexpr double kNatsForAnEdge = 6.0;     // logarithm of the places it could have
 
 /// Where a gap of the fitted length begins, to the sample: the evidence summed up has its turning point there.
 Eigen::Index refine_gap(const Signals& s, const SensorSearch& search, const NoiseModel& noise, Eigen::Index begin) {
@@ -132,7 +134,7 @@ Window refine_window(const Target& target, const Columns& explained, const Law& 
   Window window = c.window;
   for (int step = 0; step < kEdgeSteps; ++step) {
     const Window moved = moved_edges(target, explained, everywhere, window, noise);
-    if (moved.begin == window.begin && moved.end == window.end) break;
+    if (moved == window) break;
     if (moved.end - moved.begin < shortest) {
       window = held_to(shortest, target, explained, everywhere, moved, noise);
       break;
@@ -141,8 +143,7 @@ Window refine_window(const Target& target, const Columns& explained, const Law& 
   }
   if (law.extent != Extent::kStep) return window;
   const Window step = one_edge_if_enough(target, explained, everywhere, window, noise);
-  return step.begin == window.begin && step.end == window.end ? window
-                                                              : moved_edges(target, explained, everywhere, step, noise);
+  return step == window ? window : moved_edges(target, explained, everywhere, step, noise);
 }
 
 Found found_from(const Law& law, const Candidate& c, Columns columns) {
@@ -186,14 +187,15 @@ std::vector<Found> refine_timing(const Signals& s, const SensorSearch& search, c
                                  const NoiseModel& noise) {
   bool wanted = false;
   Eigen::Index gap_begin = 0;
-  const Candidate* stretch = nullptr;
+  std::vector<const Candidate*> stretches;
   for (const Candidate& c : shortlist) {
     const Law& law = search.law(c.law);
     if (law.kind != Kind::kTiming) continue;
     wanted = true;
     if (law.id == "sys_gap" && c.window.end == s.n && gap_begin == 0)
       gap_begin = refine_window(search.target, search.explained(), law, c, noise).begin;
-    if (search.delays_in_windows && law.id != "sys_gap" && c.window.local && stretch == nullptr) stretch = &c;
+    if (search.delays_in_windows && law.id != "sys_gap" && c.window.local && stretches.size() < kMostStretches)
+      stretches.push_back(&c);
   }
   std::vector<Found> out;
   if (!wanted) return out;
@@ -205,10 +207,13 @@ std::vector<Found> refine_timing(const Signals& s, const SensorSearch& search, c
   };
   for (const TimingLaw& law : make_timing_laws(s, search.sensor, gap_begin))
     refine(law, law.id == "sys_gap" ? Window{true, gap_begin, s.n} : Window{});
-  if (stretch == nullptr) return out;
-  const Window window = refine_window(search.target, search.explained(), search.law(stretch->law), *stretch, noise);
-  for (const TimingLaw& law : make_timing_laws(s, search.sensor, 0))
-    if (is_of_one_sensor(law)) refine(in_window(law, window), window);
+  Window last;
+  for (const Candidate* c : stretches) {
+    const Window window = refine_window(search.target, search.explained(), search.law(c->law), *c, noise);
+    if (std::exchange(last, window) == window) continue;
+    for (const TimingLaw& law : make_timing_laws(s, search.sensor, 0))
+      if (is_of_one_sensor(law)) refine(in_window(law, window), window);
+  }
   return out;
 }
 

@@ -9,6 +9,7 @@ namespace stillpoint::diag {
 struct Window {
   bool local = false;
   Eigen::Index begin = 0, end = 0;
+  bool operator==(const Window&) const = default;
 };
 
 /// The shortest window that is believed: a step is seen by its edge, another law needs its driver to vary.

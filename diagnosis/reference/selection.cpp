@@ -24,6 +24,7 @@ constexpr double kBeyondUsual =
     50.0;  // bad parts are 5 times worse than usual ones, and an arm's vibration ten times that
 constexpr double kLeastHeldOut = 1.0;             // nats on data not used for the fit
 constexpr double kLeastShareBesideUnknown = 0.1;  // a product stands for the true law to that much only
+constexpr int kQuietRounds = 4;
 constexpr std::size_t kShortNamed = 6, kShortUnknown = 3, kShortBesideWalk = 3;
 
 bool holds(const std::vector<std::string>& list, const std::string& id) {
@@ -203,10 +204,18 @@ NoiseModel scan_noise(const Target& target, const Columns& explained, const Eige
     }
     flexible.push_back({axis, v.col(axis).array().cube()});
   }
+  // What lasts for a while only, the model takes half for lasting: fitted anew beside it until the rest is quiet.
   Target plain = target;
   plain.layout.order = 0;
-  const Fit fit = fit_with(plain, flexible, NoiseModel(plain.layout, plain.residual), {});
-  return NoiseModel(target.layout, fit.leftover);
+  Fit fit;
+  Layout quiet;
+  for (int round = 0; round < kQuietRounds; ++round) {
+    fit = fit_with(plain, flexible, NoiseModel(plain.layout, plain.residual), {});
+    quiet = without_bursts(target.layout, fit.leftover);
+    if ((quiet.present == plain.layout.present).all()) break;
+    plain.layout.present = plain.layout.counts = quiet.present;
+  }
+  return NoiseModel(quiet, fit.leftover);
 }
 
 SensorSearch start_search(const Signals& s, Sensor sensor, const std::vector<std::string>& without) {

@@ -134,5 +134,22 @@ TEST(Adequacy, AFactorThatWasNotSeenToMatterIsNotNamed) {
             "unknown:f_x*(V-V0)");
 }
 
+/// About a body that lies still any law of its orientation is a constant while it acts.
+TEST(Adequacy, WhatEndsWhereAStepMayBeginIsTheStep) {
+  const auto found = [](const char* id, double nats, Window window) {
+    Found f;
+    f.id = id;
+    f.window = window;
+    f.gain_nats = f.net_nats = nats;
+    return f;
+  };
+  const Window before{true, 0, 300}, after{true, 300, 1000};
+  EXPECT_EQ(best_explanation({found("mag_sat", 900, before), found("mag_hard_step", 899, after)}, true)->id,
+            "mag_hard_step");
+  EXPECT_EQ(best_explanation({found("mag_field_step", 900, after), found("mag_hard_step", 899, after)}, true)->id,
+            "mag_field_step");
+  EXPECT_EQ(best_explanation({found("mag_sat", 900, before), found("mag_hard_step", 800, after)}, true)->id, "mag_sat");
+}
+
 }  // namespace
 }  // namespace stillpoint::diag

@@ -1,7 +1,9 @@
-/// How long the noise model's filter is where samples are missing.
+/// How long the noise model's filter is where samples are missing, and what it is not fitted to.
 #include "diagnosis/reference/noise_model.h"
 
 #include <gtest/gtest.h>
+
+#include <random>
 
 namespace stillpoint::diag {
 namespace {
@@ -29,6 +31,21 @@ TEST(NoiseModel, IsShorterWhereRowsAreLostAndWithoutMemoryWhereOneSensorsValuesA
   const Layout held = make_layout(with_holes(12, false), kMag);
   EXPECT_EQ(held.order, 0);
   EXPECT_EQ(held.used(), 11'000);
+}
+
+TEST(NoiseModel, LeavesOutTheBlocksThatHoldMoreThanNoise) {
+  Signals s = with_holes(20'000, true);
+  const Layout all = make_layout(s, kAcc);
+  std::mt19937_64 random(5);
+  std::normal_distribution<double> normal;
+  Series3 leftover(s.n, 3);
+  for (Eigen::Index i = 0; i < s.n; ++i) leftover.row(i) << normal(random), normal(random), normal(random);
+  EXPECT_EQ(without_bursts(all, leftover).used(), all.used()) << "alike throughout";
+  leftover.middleRows(3000, 600) *= 5.0;  // 30 to 36 s: three blocks of two seconds
+  const Layout quiet = without_bursts(all, leftover);
+  EXPECT_EQ(quiet.present.segment(3000, 600).sum(), 0.0);
+  EXPECT_EQ(quiet.present.sum(), all.present.sum() - 600.0);
+  EXPECT_EQ(quiet.counts.segment(3600, kAutoregressiveOrder).sum(), 0.0) << "its history is not there";
 }
 
 }  // namespace

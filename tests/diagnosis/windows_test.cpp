@@ -37,6 +37,22 @@ TEST(Windows, ADelayOrAFilterThatIsSwitchedOnAndOffKeepsItsName) {
   }
 }
 
+/// What seven seconds leave over at fifty times the noise passes for the colour of all of it, beside which a derivative
+/// fits as well as a delay.
+TEST(Windows, AStrongOneForAFewSecondsOfAGoodSensorIsNoDerivative) {
+  auto config = test::baseline("exact", 60.0);
+  config.rate_hz = 100;
+  config.gyroscope->noise_sd = 2e-4, config.accelerometer->noise_sd = 3e-3;
+  for (const std::string sensor : {"gyr", "acc"})
+    for (const std::uint64_t seed : {1, 2, 3}) {
+      auto real = config;
+      real.effects = {{.id = sensor + "_delay", .parameters = {{"tau_s", {0.008}}}, .axes = {}, .window_s = {{6, 13}}}};
+      const Answer answer = diagnose(test::record(real, "", {}, seed), config);
+      ASSERT_THAT(names(answer), testing::ElementsAre(sensor + "_delay")) << seed;
+      EXPECT_NEAR(answer.diagnosis.findings.front().parameters.front().value, 0.008, 1e-3);
+    }
+}
+
 TEST(Windows, RowsLostFromOneOnAreNoDelayUntilTheEnd) {
   const auto config = test::baseline("exact");
   const Answer answer = diagnose(test::record(config, "sys_gap", {{"n", {4}}, {"t0_s", {45}}}, 7), config);
