@@ -180,7 +180,7 @@ Series NoiseModel::filter(const Layout& layout, const Series& x, int axis) const
 }
 
 Series NoiseModel::whiten(const Layout& layout, const Series& x, int axis) const {
-  return filter(layout, x, axis).array() * inverse_scale_.col(axis).array() * layout.counts;
+  return filter(layout, x, axis).cwiseProduct(scale(layout, axis));
 }
 
 Series NoiseModel::coloured(const Layout& layout, const Series& white, int axis) const {

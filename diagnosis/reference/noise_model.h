@@ -42,6 +42,14 @@ class NoiseModel {
 
   /// Applies the filter and the scale of one axis; samples that do not count become 0.
   [[nodiscard]] Series whiten(const Layout& layout, const Series& x, int axis) const;
+  /// What `whiten` multiplies the filtered samples of one axis with: 0 where they do not count.
+  [[nodiscard]] Series scale(const Layout& layout, int axis) const {
+    return inverse_scale_.col(axis).array() * layout.counts;
+  }
+  /// Of the filter x_i - sum_j a_j x_{i-j-1}, j = 0..order - 1.
+  [[nodiscard]] const Eigen::VectorXd& coefficients(int regime, int axis) const {
+    return coefficients_[static_cast<std::size_t>(regime)][static_cast<std::size_t>(axis)];
+  }
   /// The reverse for white draws of unit variance: noise with this colour and scale. Where nothing is measured it runs
   /// on.
   [[nodiscard]] Series coloured(const Layout& layout, const Series& white, int axis) const;

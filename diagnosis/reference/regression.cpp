@@ -4,6 +4,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "diagnosis/reference/slow_columns.h"
+
 namespace stillpoint::diag {
 namespace {
 
@@ -17,12 +19,13 @@ constexpr double kWeakWalk = 0.003, kStrongWalk = 300.0;  // where a walk's rate
 /// One axis, whitened, as normal equations: nuisance and columns first, the walk last, so that the model without a walk
 /// is the top left corner.
 struct AxisSystem {
-  Eigen::MatrixXd design;
-  std::vector<Eigen::Index> global;  // index of each design column among all unknowns
-  Eigen::Index plain = 0;            // design columns before the walk
+  Eigen::MatrixXd design;  // nuisance and columns
+  SlowColumns walk;
+  std::vector<Eigen::Index> global;  // index of each column of design and walk among all unknowns
+  Eigen::Index plain = 0;            // columns of the design
   Series rhs;
-  Eigen::MatrixXd gram;    // design' design
-  Eigen::VectorXd moment;  // design' rhs
+  Eigen::MatrixXd gram;    // of design and walk
+  Eigen::VectorXd moment;  // the same with rhs
 };
 using Systems = std::array<AxisSystem, 3>;
 
@@ -40,16 +43,22 @@ AxisSystem whitened_system(const Target& t, const Columns& columns, const NoiseM
   }
   out.plain = static_cast<Eigen::Index>(out.global.size());
   for (Eigen::Index j = 0; j < t.walk.cols(); ++j) out.global.push_back(3 * z + p + axis * t.walk.cols() + j);
-  out.design.resize(t.layout.n, static_cast<Eigen::Index>(out.global.size()));
-  for (Eigen::Index j = 0; j < out.design.cols(); ++j)
-    out.design.col(j) = j < z           ? noise.whiten(t.layout, t.nuisance.col(j), axis)
-                        : j < out.plain ? noise.whiten(t.layout, shown[static_cast<std::size_t>(j - z)], axis)
-                                        : noise.whiten(t.layout, t.walk.col(j - out.plain), axis);
+  out.design.resize(t.layout.n, out.plain);
+  for (Eigen::Index j = 0; j < out.plain; ++j)
+    out.design.col(j) = j < z ? noise.whiten(t.layout, t.nuisance.col(j), axis)
+                              : noise.whiten(t.layout, shown[static_cast<std::size_t>(j - z)], axis);
+  out.walk = SlowColumns(t.layout, t.walk, noise, axis);
   out.rhs = noise.whiten(t.layout, t.residual.col(axis), axis);
-  out.gram = Eigen::MatrixXd::Zero(out.design.cols(), out.design.cols());
-  out.gram.selfadjointView<Eigen::Lower>().rankUpdate(out.design.transpose());
-  out.gram.triangularView<Eigen::StrictlyUpper>() = out.gram.transpose();
-  out.moment = out.design.transpose() * out.rhs;
+  const Eigen::Index K = t.walk.cols();
+  out.gram.resize(out.plain + K, out.plain + K);
+  out.gram.topLeftCorner(out.plain, out.plain) = out.design.transpose() * out.design;
+  out.moment.resize(out.plain + K);
+  out.moment.head(out.plain) = out.design.transpose() * out.rhs;
+  if (K == 0) return out;
+  out.gram.bottomLeftCorner(K, out.plain) = out.walk.products(out.design);
+  out.gram.topRightCorner(out.plain, K) = out.gram.bottomLeftCorner(K, out.plain).transpose();
+  out.gram.bottomRightCorner(K, K) = out.walk.gram();
+  out.moment.tail(K) = out.walk.products(out.rhs);
   return out;
 }
 
@@ -167,11 +176,12 @@ Fit solve(const Target& t, const Columns& columns, const NoiseModel& noise, cons
   for (int axis = 0; axis < 3; ++axis) {
     const AxisSystem& a = systems[static_cast<std::size_t>(axis)];
     const bool walks = s.x.size() > 3 * z + p;
-    Eigen::VectorXd own(walks ? a.design.cols() : a.plain);
+    Eigen::VectorXd own(a.plain + (walks ? t.walk.cols() : 0));
     for (Eigen::Index i = 0; i < own.size(); ++i) own[i] = s.x[a.global[static_cast<std::size_t>(i)]];
-    fit.whitened.col(axis) = a.rhs - a.design.leftCols(own.size()) * own;
-    if (walks)
-      penalty += own.tail(t.walk.cols()).cwiseQuotient(walk_deviations(t, walk_of(walk_q, noise, axis))).squaredNorm();
+    fit.whitened.col(axis) = a.rhs - a.design * own.head(a.plain);
+    if (!walks) continue;
+    fit.whitened.col(axis) -= a.walk.times(own.tail(t.walk.cols()));
+    penalty += own.tail(t.walk.cols()).cwiseQuotient(walk_deviations(t, walk_of(walk_q, noise, axis))).squaredNorm();
   }
   fit.log_likelihood = noise.log_scale_sum() - 0.5 * (fit.whitened.squaredNorm() + penalty + s.log_det);
   fit.walk_q = walk_q;
@@ -193,7 +203,10 @@ Eigen::MatrixXd walk_basis(const Signals& s, double shortest_period_s) {
   const double length = s.duration_s();
   const int terms = std::clamp(static_cast<int>(2.0 * length / shortest_period_s), 4, kMostWalkTerms);
   Eigen::MatrixXd walk(s.n, terms);
-  for (int k = 1; k <= terms; ++k) walk.col(k - 1) = (s.t_s.array() * (k * std::numbers::pi / length)).cos();
+  walk.col(0) = (s.t_s.array() * (std::numbers::pi / length)).cos();
+  walk.col(1) = 2.0 * walk.col(0).array().square() - 1.0;
+  for (int k = 2; k < terms; ++k)  // cos (k + 1) x = 2 cos x cos k x - cos (k - 1) x
+    walk.col(k) = 2.0 * walk.col(0).cwiseProduct(walk.col(k - 1)) - walk.col(k - 2);
   return walk;
 }
 
@@ -237,12 +250,15 @@ Eigen::MatrixXd robust_covariance(const Target& t, const Columns& columns, const
   Eigen::VectorXd speaks = Eigen::VectorXd::Zero(blocks);
   for (const AxisSystem& a : systems) {
     const Eigen::Index used = a.plain + (walks ? t.walk.cols() : 0);
+    Eigen::MatrixXd design(t.layout.n, used);
+    design.leftCols(a.plain) = a.design;
+    if (walks) design.rightCols(t.walk.cols()) = a.walk.times(Eigen::MatrixXd::Identity(t.walk.cols(), t.walk.cols()));
     Eigen::VectorXd own(used);
     for (Eigen::Index i = 0; i < used; ++i) own[i] = s.x[a.global[static_cast<std::size_t>(i)]];
-    const Series left = a.rhs - a.design.leftCols(used) * own;
+    const Series left = a.rhs - design * own;
     for (Eigen::Index b = 0; b < blocks; ++b) {
       const Eigen::Index begin = b * block, length = std::min(block, t.layout.n - begin);
-      const auto rows = a.design.middleRows(begin, length);
+      const auto rows = design.middleRows(begin, length);
       for (Eigen::Index i = 0; i < used; ++i)
         scores(b, a.global[static_cast<std::size_t>(i)]) += rows.col(i).dot(left.segment(begin, length));
       speaks[b] += rows.middleCols(t.nuisance.cols(), a.plain - t.nuisance.cols()).squaredNorm();
