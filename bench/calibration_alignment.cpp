@@ -3,8 +3,8 @@
 #include <cstdio>
 
 #include "bench/calibration_tables.h"
-#include "calib_online/alignment.h"
-#include "calib_online/two_step.h"
+#include "calib_online/offline/alignment.h"
+#include "calib_online/offline/two_step.h"
 
 namespace stillpoint::bench {
 namespace {

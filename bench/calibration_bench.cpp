@@ -4,10 +4,12 @@
 
 #include "bench/calibration_tables.h"
 #include "calib_online/gyro_matrix.h"
+#include "calib_online/map_fit.h"
+#include "calib_online/offline/ellipsoid_fit.h"
+#include "calib_online/offline/rival_fits.h"
+#include "calib_online/offline/two_step.h"
 #include "calib_online/online_calibrator.h"
 #include "calib_online/rest_detector.h"
-#include "calib_online/rival_fits.h"
-#include "calib_online/two_step.h"
 
 namespace stillpoint::bench {
 namespace {

@@ -4,8 +4,8 @@
 #include <map>
 
 #include "bench/calibration_tables.h"
-#include "calib_online/points_fit.h"
-#include "calib_online/rival_fits.h"
+#include "calib_online/offline/points_fit.h"
+#include "calib_online/offline/rival_fits.h"
 
 namespace stillpoint::bench {
 namespace {

@@ -2,7 +2,9 @@
 #include <cstdio>
 
 #include "bench/calibration_tables.h"
-#include "calib_online/points_fit.h"
+#include "calib_online/map_fit.h"
+#include "calib_online/offline/ellipsoid_fit.h"
+#include "calib_online/offline/points_fit.h"
 
 namespace stillpoint::bench {
 namespace {

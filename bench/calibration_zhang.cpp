@@ -6,8 +6,8 @@
 #include <cstdio>
 
 #include "bench/calibration_tables.h"
-#include "calib_online/ellipsoid_fit.h"
-#include "calib_online/two_step.h"
+#include "calib_online/offline/ellipsoid_fit.h"
+#include "calib_online/offline/two_step.h"
 
 namespace stillpoint::bench {
 namespace {

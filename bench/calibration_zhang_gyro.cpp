@@ -6,7 +6,7 @@
 
 #include "bench/calibration_tables.h"
 #include "calib_online/gyro_matrix.h"
-#include "calib_online/two_step.h"
+#include "calib_online/offline/two_step.h"
 
 namespace stillpoint::bench {
 namespace {

@@ -18,7 +18,7 @@ target_link_libraries(source_folder PRIVATE stillpoint_options)
 
 stillpoint_shared_figures(ordinary_use FILES ordinary_*.cpp DEPS sp_calib_online sp_io)
 stillpoint_shared_figures(calibration_tables_parts FILES calibration_*.cpp EXCEPT "(_bench|/calibration_tables)\\.cpp$"
-                          DEPS ordinary_use)
+                          DEPS ordinary_use sp_calib_offline)
 if(NOT STILLPOINT_ALGORITHMS_ONLY)
   stillpoint_shared_figures(portfolio_run FILES portfolio_run.cpp portfolio_simulated.cpp
                             DEPS sp_pipeline sp_simulation sp_io nlohmann_json::nlohmann_json fmt::fmt)

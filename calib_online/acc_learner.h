@@ -4,8 +4,8 @@
 #include <string>
 
 #include "calib_online/consistency.h"
-#include "calib_online/ellipsoid_fit.h"
 #include "calib_online/gyr_learner.h"
+#include "calib_online/map_fit.h"
 #include "calib_online/rivalry.h"
 #include "calib_online/temperature_cells.h"
 #include "calib_online/temperature_filter.h"

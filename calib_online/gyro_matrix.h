@@ -6,8 +6,9 @@
 #include <span>
 #include <vector>
 
-#include "calib_online/ellipsoid_fit.h"
+#include "calib_online/fit_status.h"
 #include "calib_online/preintegration.h"
+#include "calib_online/quadric.h"
 
 namespace stillpoint::calib {
 

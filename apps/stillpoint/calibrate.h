@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "calib_online/points_fit.h"
+#include "calib_online/offline/points_fit.h"
 
 namespace stillpoint::app {
 

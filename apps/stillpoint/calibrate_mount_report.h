@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "calib_online/mount_fit.h"
+#include "calib_online/offline/mount_fit.h"
 
 namespace stillpoint::app {
 

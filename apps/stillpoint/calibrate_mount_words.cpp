@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "apps/stillpoint/calibrate_mount_report.h"
-#include "calib_online/axis_maps.h"
+#include "calib_online/offline/axis_maps.h"
 #include "core/units.h"
 #include "io/mount.h"
 

@@ -2,7 +2,7 @@
 #pragma once
 #include <string>
 
-#include "calib_online/mount_fit.h"
+#include "calib_online/offline/mount_fit.h"
 
 namespace stillpoint::app {
 

@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "calib_online/points_fit.h"
+#include "calib_online/offline/points_fit.h"
 #include "core/result.h"
 
 namespace stillpoint::app {

@@ -4,11 +4,11 @@
 #include <random>
 #include <ranges>
 
-#include "calib_online/alignment.h"
 #include "calib_online/gyro_matrix.h"
-#include "calib_online/points_fit.h"
-#include "calib_online/rival_fits.h"
-#include "calib_online/two_step.h"
+#include "calib_online/offline/alignment.h"
+#include "calib_online/offline/points_fit.h"
+#include "calib_online/offline/rival_fits.h"
+#include "calib_online/offline/two_step.h"
 #include "core/so3.h"
 
 namespace stillpoint::calib {

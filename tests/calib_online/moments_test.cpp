@@ -5,7 +5,7 @@
 #include <Eigen/Dense>
 #include <random>
 
-#include "calib_online/ellipsoid_fit.h"
+#include "calib_online/offline/ellipsoid_fit.h"
 
 namespace stillpoint::calib {
 namespace {

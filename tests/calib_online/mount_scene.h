@@ -3,7 +3,7 @@
 #include <random>
 #include <vector>
 
-#include "calib_online/mount_fit.h"
+#include "calib_online/offline/mount_fit.h"
 #include "core/so3.h"
 #include "core/units.h"
 #include "tests/calib_online/synthetic.h"

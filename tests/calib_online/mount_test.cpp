@@ -3,9 +3,9 @@
 
 #include <Eigen/Dense>
 
-#include "calib_online/axis_maps.h"
-#include "calib_online/mount_fit.h"
-#include "calib_online/mount_ways.h"
+#include "calib_online/offline/axis_maps.h"
+#include "calib_online/offline/mount_fit.h"
+#include "calib_online/offline/mount_ways.h"
 #include "tests/calib_online/mount_scene.h"
 
 namespace stillpoint::calib {

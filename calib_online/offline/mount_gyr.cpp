@@ -1,7 +1,7 @@
 // The gyroscope against the accelerometer: gravity carried over the turns, (U3), (U4) of docs/math/mount.md.
 #include <cmath>
 
-#include "calib_online/mount_ways.h"
+#include "calib_online/offline/mount_ways.h"
 #include "core/so3.h"
 
 namespace stillpoint::calib {

@@ -1,4 +1,4 @@
-#include "calib_online/axis_maps.h"
+#include "calib_online/offline/axis_maps.h"
 
 #include <Eigen/LU>
 #include <array>

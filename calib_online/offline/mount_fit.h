@@ -7,7 +7,7 @@
 #include <string_view>
 #include <vector>
 
-#include "calib_online/mount_evidence.h"
+#include "calib_online/offline/mount_evidence.h"
 #include "core/fields.h"
 #include "core/units.h"
 

@@ -3,7 +3,8 @@
 #pragma once
 #include <span>
 
-#include "calib_online/ellipsoid_fit.h"
+#include "calib_online/fit_status.h"
+#include "calib_online/quadric.h"
 
 namespace stillpoint::calib {
 

@@ -1,4 +1,4 @@
-#include "calib_online/outliers.h"
+#include "calib_online/offline/outliers.h"
 
 #include <Eigen/Dense>
 #include <algorithm>

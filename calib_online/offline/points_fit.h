@@ -9,7 +9,7 @@
 #include <string_view>
 #include <vector>
 
-#include "calib_online/ellipsoid_fit.h"
+#include "calib_online/offline/ellipsoid_fit.h"
 
 namespace stillpoint::calib {
 

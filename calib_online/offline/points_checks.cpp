@@ -1,4 +1,4 @@
-#include "calib_online/points_checks.h"
+#include "calib_online/offline/points_checks.h"
 
 #include <Eigen/Dense>
 #include <algorithm>

@@ -1,14 +1,14 @@
-#include "calib_online/points_fit.h"
+#include "calib_online/offline/points_fit.h"
 
 #include <Eigen/Dense>
 #include <algorithm>
 #include <array>
 #include <cmath>
 
-#include "calib_online/outliers.h"
-#include "calib_online/points_checks.h"
-#include "calib_online/points_map.h"
-#include "calib_online/rival_fits.h"
+#include "calib_online/offline/outliers.h"
+#include "calib_online/offline/points_checks.h"
+#include "calib_online/offline/points_map.h"
+#include "calib_online/offline/rival_fits.h"
 
 namespace stillpoint::calib {
 namespace {

@@ -1,4 +1,4 @@
-#include "calib_online/mount_ways.h"
+#include "calib_online/offline/mount_ways.h"
 
 #include <algorithm>
 

@@ -1,4 +1,4 @@
-#include "calib_online/rival_fits.h"
+#include "calib_online/offline/rival_fits.h"
 
 #include <Eigen/Dense>
 #include <algorithm>

@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include "calib_online/ellipsoid_fit.h"
+#include "calib_online/map_fit.h"
 
 namespace stillpoint::calib {
 

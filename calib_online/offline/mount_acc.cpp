@@ -2,8 +2,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "calib_online/mount_fit.h"
-#include "calib_online/rotation_fit.h"
+#include "calib_online/offline/mount_fit.h"
+#include "calib_online/offline/rotation_fit.h"
 #include "core/directions.h"
 #include "core/so3.h"
 

@@ -3,9 +3,9 @@
 #pragma once
 #include <optional>
 
-#include "calib_online/axis_maps.h"
-#include "calib_online/mount_fit.h"
-#include "calib_online/rotation_fit.h"
+#include "calib_online/offline/axis_maps.h"
+#include "calib_online/offline/mount_fit.h"
+#include "calib_online/offline/rotation_fit.h"
 
 namespace stillpoint::calib {
 

@@ -2,7 +2,8 @@
 /// between consecutive windows, no common pose needed, so errors of the gyro do not add up (docs/math/alignment.md,
 /// L1-L5). Replaces Zhang eqs. (25)-(32) where the rotations come from the device's own gyroscope; the form is ours.
 #pragma once
-#include "calib_online/ellipsoid_fit.h"
+#include "calib_online/fit_status.h"
+#include "calib_online/quadric.h"
 #include "calib_online/window.h"
 
 namespace stillpoint::calib {

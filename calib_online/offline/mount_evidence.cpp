@@ -1,4 +1,4 @@
-#include "calib_online/mount_evidence.h"
+#include "calib_online/offline/mount_evidence.h"
 
 #include <algorithm>
 #include <cmath>

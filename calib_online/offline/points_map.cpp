@@ -1,11 +1,11 @@
-#include "calib_online/points_map.h"
+#include "calib_online/offline/points_map.h"
 
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
 #include <vector>
 
-#include "calib_online/outliers.h"
+#include "calib_online/offline/outliers.h"
 
 namespace stillpoint::calib {
 namespace {

@@ -5,7 +5,8 @@
 #include <array>
 #include <span>
 
-#include "calib_online/ellipsoid_fit.h"
+#include "calib_online/fit_status.h"
+#include "calib_online/quadric.h"
 
 namespace stillpoint::calib {
 

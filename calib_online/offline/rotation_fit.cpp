@@ -1,4 +1,4 @@
-#include "calib_online/rotation_fit.h"
+#include "calib_online/offline/rotation_fit.h"
 
 #include <Eigen/Dense>
 #include <cmath>

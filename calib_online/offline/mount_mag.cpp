@@ -1,7 +1,7 @@
 // The magnetometer against the accelerometer: dm/dt = -w x m over the turns, (U5), (U6) of docs/math/mount.md.
 #include <cmath>
 
-#include "calib_online/mount_ways.h"
+#include "calib_online/offline/mount_ways.h"
 #include "core/so3.h"
 
 namespace stillpoint::calib {

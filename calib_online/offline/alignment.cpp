@@ -1,4 +1,4 @@
-#include "calib_online/alignment.h"
+#include "calib_online/offline/alignment.h"
 
 #include <Eigen/Dense>
 

@@ -1,9 +1,9 @@
-#include "calib_online/mount_fit.h"
+#include "calib_online/offline/mount_fit.h"
 
 #include <Eigen/Dense>
 #include <cmath>
 
-#include "calib_online/axis_maps.h"
+#include "calib_online/offline/axis_maps.h"
 
 namespace stillpoint::calib {
 

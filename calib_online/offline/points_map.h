@@ -4,7 +4,7 @@
 #include <optional>
 #include <span>
 
-#include "calib_online/ellipsoid_fit.h"
+#include "calib_online/map_fit.h"
 
 namespace stillpoint::calib {
 

@@ -1,4 +1,4 @@
-#include "calib_online/two_step.h"
+#include "calib_online/offline/two_step.h"
 
 #include <Eigen/Dense>
 
