@@ -43,13 +43,11 @@ bool GuardStage::leads(const RawSample& in) noexcept {
   }
   if (!in.holds(kAcc) || !SensorClock::is_time(in.t_ns)) return false;
   if (rows_without_gyr_ == 0 || in.t_ns < silent_since_ns_) silent_since_ns_ = in.t_ns;
-  if (rows_without_gyr_ < kGyroscopeSilentRows) {
-    ++rows_without_gyr_;
-    return false;
-  }
+  rows_without_gyr_ = std::min(rows_without_gyr_ + 1, kGyroscopeSilentRows + 1);
   if (in.t_ns - silent_since_ns_ < kGyroscopeAwaited_ns) return false;
   return !gyr_seen_ ||
-         times_[part_index(kGyr)].overdue(clock_.in_pipeline_time(in.t_ns), kSilentOverGap * params_.gap_factor);
+         (rows_without_gyr_ > kGyroscopeSilentRows &&
+          times_[part_index(kGyr)].overdue(clock_.in_pipeline_time(in.t_ns), kSilentOverGap * params_.gap_factor));
 }
 
 bool GuardStage::take_time(const RawSample& in, GuardedSample& out) noexcept {

@@ -134,8 +134,8 @@ TEST_F(DaemonFaults, AFolderOrADeviceInPlaceOfARecordingIsSaidToBeNone) {
 }
 
 TEST_F(DaemonFaults, ARecordingComesThroughAPipeAndMayVanishWhileItIsReplayed) {
-  const std::string rows =
-      "time_s,acc_x_mps2,acc_y_mps2,acc_z_mps2\n0,0,0,9.8\n0.01,0,0,9.8\n0.02,0,0,9.8\n1.5,0,0,9.8\n";
+  std::string rows = "time_s,acc_x_mps2,acc_y_mps2,acc_z_mps2,gyr_x_radps,gyr_y_radps,gyr_z_radps\n";
+  for (const std::string time : {"0", "0.01", "0.02", "1.5"}) rows += time + ",0,0,9.8,0,0,0\n";
   write_file(scratch_ / "r.csv", rows);
   write_file(scratch_ / "d.yaml",
              "source: {kind: recording, file: pipe}\ndds: {domain: " + std::to_string(io::own_domain()) + "}\n");
