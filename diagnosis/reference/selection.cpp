@@ -24,6 +24,7 @@ constexpr double kBeyondUsual =
     50.0;  // bad parts are 5 times worse than usual ones, and an arm's vibration ten times that
 constexpr double kLeastHeldOut = 1.0;             // nats on data not used for the fit
 constexpr double kLeastShareBesideUnknown = 0.1;  // a product stands for the true law to that much only
+constexpr double kImitated = 0.25;                // of a resonance's power: what its own noise may have made
 constexpr int kQuietRounds = 4;
 constexpr std::size_t kShortNamed = 6, kShortUnknown = 3, kShortBesideWalk = 3;
 
@@ -101,8 +102,9 @@ std::vector<Candidate> short_list(const SensorSearch& search, const Judge& judge
 }
 
 /// A number beyond anything that parts have is another law's doing, however well it fits.
-bool possible(const SensorSearch& search, const Found& law) {
+bool possible(const Signals& s, const SensorSearch& search, const Found& law) {
   if (law.id.ends_with("_resonance") && law.timing.size() == 2) {
+    if (is_its_own_noise(s, search, law)) return false;
     // A damping that may as well be none is that of a line, which the reference may have brought in.
     Target t = search.target;
     t.residual -= law.offset;
@@ -137,7 +139,7 @@ std::optional<Found> chosen(const Signals& s, const SensorSearch& search, const 
     const std::string id = best->id;
     best = adequate(s, search, judge, std::move(*best));
     if (!pays(search, *best)) return std::nullopt;
-    if (!possible(search, *best)) return std::nullopt;  // what comes next would take the same misfit's place
+    if (!possible(s, search, *best)) return std::nullopt;  // what comes next would take the same misfit's place
     if (!leaves_less(search, *best)) return std::nullopt;
     if (robust_nats(search, *best) < charge(best->names.size(), best->window)) return std::nullopt;
     if (is_unknown(best->id) && !varies(search, *best)) return std::nullopt;
@@ -169,6 +171,13 @@ Columns SensorSearch::explained() const {
 
 bool SensorSearch::has_unknown() const {
   return std::any_of(found.begin(), found.end(), [](const Found& f) { return f.kind == Kind::kUnknown; });
+}
+
+bool is_its_own_noise(const Signals& s, const SensorSearch& search, const Found& law) {
+  const double band_hz = s.band_hz[search.sensor], f_n_hz = law.timing[0], sd = s.noise_sd[search.sensor];
+  const auto rows = static_cast<double>((law.offset.array() != 0.0).count());
+  const double of_noise = rows * sd * sd * 4.0 * s.dt_s * std::pow(band_hz, 3) / (3.0 * f_n_hz * f_n_hz);
+  return of_noise > kImitated * law.offset.squaredNorm();
 }
 
 double robust_nats(const SensorSearch& search, const Found& law) {

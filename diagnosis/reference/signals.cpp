@@ -108,9 +108,10 @@ void hold_what_keeps_still(Signals& s) {
 /// differentiated camera, in the band where things move.
 void choose_vectors(Signals& s) {
   const double highest = std::min(kMotionBand_Hz, 0.2 / s.dt_s);
-  const auto limited = [&](const Series3& x) {
-    return apply_response(x, s.rows, low_pass(motion_band_hz(x, s.rest, s.dt_s, kMotionOverNoise, 1.5, highest)));
+  const auto band_of = [&](const Series3& x) {
+    return motion_band_hz(x, s.rest, s.dt_s, kMotionOverNoise, 1.5, highest);
   };
+  const auto limited = [&](const Series3& x) { return apply_response(x, s.rows, low_pass(band_of(x))); };
   if (!s.exact_reference) {
     for (Series3& axis : s.world_axis) axis = limited(axis);
     if (s.has_position) s.position_m = limited(s.position_m);
@@ -119,7 +120,9 @@ void choose_vectors(Signals& s) {
   for (int k = 0; k < kSensors; ++k) {
     const bool predicted = s.exact_reference || !s.present[k] || k == kMag || s.from_log;
     s.vector[k] = predicted ? s.predicted[k] : s.reading[k];
-    if (!s.exact_reference && (k != kMag || s.from_log)) s.vector[k] = limited(s.vector[k]);
+    if (s.exact_reference || (k == kMag && !s.from_log)) continue;
+    s.band_hz[static_cast<std::size_t>(k)] = predicted ? 0.0 : band_of(s.vector[k]);
+    s.vector[k] = limited(s.vector[k]);
   }
   if (!s.exact_reference) {
     hold_at_rest(s);
