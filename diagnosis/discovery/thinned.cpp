@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "diagnosis/reference/scan_noise.h"
+
 namespace stillpoint::diag {
 namespace {
 

@@ -43,8 +43,9 @@ class NoiseModel {
   /// Applies the filter and the scale of one axis; samples that do not count become 0.
   [[nodiscard]] Series whiten(const Layout& layout, const Series& x, int axis) const;
   /// What `whiten` multiplies the filtered samples of one axis with: 0 where they do not count.
-  [[nodiscard]] Series scale(const Layout& layout, int axis) const {
-    return inverse_scale_.col(axis).array() * layout.counts;
+  /// An expression: it lives as long as the layout and this.
+  [[nodiscard]] auto scale(const Layout& layout, int axis) const {
+    return (inverse_scale_.col(axis).array() * layout.counts).matrix();
   }
   /// Of the filter x_i - sum_j a_j x_{i-j-1}, j = 0..order - 1.
   [[nodiscard]] const Eigen::VectorXd& coefficients(int regime, int axis) const {

@@ -90,7 +90,6 @@ inline constexpr double kLeastShareOfFirst = 0.02;
 
 /// Adds it to the model, then drops any earlier effect that it makes superfluous.
 void accept(SensorSearch& search, Found found);
-/// The model without effect `index`: what it explained is residual again.
 /// What a linear law does, with the coefficients that it has beside all that was found (n x 3).
 [[nodiscard]] Series3 effect_of(const SensorSearch& search, const Found& law);
 /// What bias and matrix leave of an effect, in the rows that count; 0 in the others.
@@ -99,10 +98,8 @@ void accept(SensorSearch& search, Found found);
 /// coefficient of 50 uT fits 0.03 uT of a camera's noise, and every other motion would be made worse by all of it.
 [[nodiscard]] bool varies(const SensorSearch& search, const Found& law);
 
+/// The model without effect `index`: what it explained is residual again.
 void take_out(SensorSearch& search, std::size_t index);
-
-/// Noise for scanning: what is left after a flexible smooth model, so that the effect sought is not taken for noise.
-[[nodiscard]] NoiseModel scan_noise(const Target& target, const Columns& explained, const Eigen::MatrixXd& walk);
 
 /// Log-likelihood gained by subtracting `offset`, the noise given.
 [[nodiscard]] double gain_of_offset(const SensorSearch& search, const Series3& offset);

@@ -111,7 +111,10 @@ void choose_vectors(Signals& s) {
   const auto band_of = [&](const Series3& x) {
     return motion_band_hz(x, s.rest, s.dt_s, kMotionOverNoise, 1.5, highest);
   };
-  const auto limited = [&](const Series3& x) { return apply_response(x, s.rows, low_pass(band_of(x))); };
+  const auto limited_to = [&](double band_hz, const Series3& x) {
+    return apply_response(x, s.rows, low_pass(band_hz));
+  };
+  const auto limited = [&](const Series3& x) { return limited_to(band_of(x), x); };
   if (!s.exact_reference) {
     for (Series3& axis : s.world_axis) axis = limited(axis);
     if (s.has_position) s.position_m = limited(s.position_m);
@@ -121,8 +124,9 @@ void choose_vectors(Signals& s) {
     const bool predicted = s.exact_reference || !s.present[k] || k == kMag || s.from_log;
     s.vector[k] = predicted ? s.predicted[k] : s.reading[k];
     if (s.exact_reference || (k == kMag && !s.from_log)) continue;
-    s.band_hz[static_cast<std::size_t>(k)] = predicted ? 0.0 : band_of(s.vector[k]);
-    s.vector[k] = limited(s.vector[k]);
+    const double band_hz = band_of(s.vector[k]);
+    if (!predicted) s.band_hz[static_cast<std::size_t>(k)] = band_hz;
+    s.vector[k] = limited_to(band_hz, s.vector[k]);
   }
   if (!s.exact_reference) {
     hold_at_rest(s);
