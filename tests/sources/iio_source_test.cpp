@@ -56,7 +56,7 @@ std::map<std::string, std::string> attributes(const std::string& type, const std
 constexpr std::int64_t kDeviceClock_ns = 1'000'000'000'000;  // a clock of its own: it is another machine
 
 /// 16 bits in 32: the upper half holds what belongs to the next axis.
-FakeDevice accelerometer() {
+FakeDevice accelerometer(const std::string& scale = "0.0098") {
   return {"iio:device0",
           "accel_3d",
           channels("accel", "le:s16/32&gt;&gt;0", true),
@@ -67,7 +67,7 @@ FakeDevice accelerometer() {
               scan += bytes_of(raw) + bytes_of(std::int16_t{0x7a5a});
             return scan + std::string(4, '\0') + bytes_of(kDeviceClock_ns + 5'000'000 * k);
           },
-          attributes("accel", "0.0098", 200.0)};
+          attributes("accel", scale, 200.0)};
 }
 FakeDevice gyroscope() {
   return {"iio:device1",
@@ -184,6 +184,22 @@ TEST(IioSource, AfterEachLossTheWaitIsShortAgain) {
   }
   // Doubled with each loss, the last three would be sixteen, 32 and 64 times as long as the first wait.
   EXPECT_LT(*std::min_element(away_ns.end() - 3, away_ns.end()), 8 * Reopening::kFirst_ns);
+}
+
+/// Another range was set meanwhile: the same raw values are twice the force.
+TEST(IioSource, ADeviceThatComesBackWithAnotherScaleIsReadInThatOne) {
+  const std::uint16_t port = test::free_port();
+  auto iiod = std::make_unique<FakeIiod>(std::vector{accelerometer()}, port);
+  IioSource source(params_of(port), 0.2);
+  Arrival out;
+  ASSERT_TRUE(test::eventually_sample(source, out));
+  EXPECT_TRUE(vec(out.sample.acc_mps2).isApprox(Vec3(-0.98, 1.96, 9.8)));
+  iiod->stop();
+  ASSERT_TRUE(test::eventually_state(source, out, SourceState::kGone));
+  iiod = nullptr;
+  iiod = std::make_unique<FakeIiod>(std::vector{accelerometer("0.0196")}, port);
+  ASSERT_TRUE(test::eventually_sample(source, out));
+  EXPECT_TRUE(vec(out.sample.acc_mps2).isApprox(Vec3(-1.96, 3.92, 19.6))) << vec(out.sample.acc_mps2);
 }
 
 TEST(IioSource, TheKernelKeepsASecondOfWhatIsNotFetched) {
