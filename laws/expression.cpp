@@ -11,7 +11,8 @@
 namespace stillpoint::laws {
 namespace {
 
-/// How tightly a node binds: what binds less than its surroundings gets brackets.
+/// How tightly a node binds: what binds less than its surroundings gets brackets, and nothing else: a text nests no
+/// deeper than the one it was read from, which is how deep the parser follows.
 int binding(const Node& n) {
   switch (n.op) {
     case Op::kAdd:
@@ -91,7 +92,7 @@ std::string text(const Node& n) {
     case Op::kComponent:
       return fmt::format("{}_{}", n.driver, "xyz"[n.component]);
     case Op::kNegate:
-      return "-" + bracketed(n.args[0], 4);
+      return "-" + bracketed(n.args[0], 3);
     case Op::kAdd:
       return infix(n, " + ", 1);
     case Op::kSubtract:
@@ -101,7 +102,7 @@ std::string text(const Node& n) {
     case Op::kDivide:
       return infix(n, " / ", 2);
     case Op::kPower:
-      return bracketed(n.args[0], 5) + "^" + bracketed(n.args[1], 5);
+      return bracketed(n.args[0], 5) + "^" + bracketed(n.args[1], 3);
     default:
       break;
   }

@@ -74,6 +74,16 @@ TEST(Laws, DeepNestingIsRefusedNotFollowed) {
   EXPECT_FALSE(parse(std::string(100000, 'w'), standard_drivers()));
 }
 
+TEST(Laws, WhatIsWrittenNestsNoDeeperThanWhatWasRead) {
+  for (const std::string& given : {std::string(43, '-') + "w", std::string(57, '-') + "T^-2"}) {
+    const auto tree = parse(given, standard_drivers());
+    ASSERT_TRUE(tree) << given;
+    const auto again = parse(text(*tree), standard_drivers());
+    ASSERT_TRUE(again) << given << " was written as " << text(*tree) << ": " << again.error().what;
+    EXPECT_EQ(text(*again), text(*tree));
+  }
+}
+
 TEST(Laws, UnitsAreCarried) {
   EXPECT_EQ(text(parsed("norm(w) * (T - 25)").unit), "rad K/s");
   EXPECT_EQ(text(parsed("f^2").unit), "m^2/s^4");
