@@ -11,12 +11,7 @@ namespace {
 std::string value_text(double x) { return fmt::format("{}", x); }
 std::string value_text(int x) { return fmt::format("{}", x); }
 std::string value_text(bool x) { return x ? "true" : "false"; }
-/// Single quotes: in YAML nothing inside them has a meaning but the quote, which is doubled.
-std::string value_text(const std::string& x) {
-  std::string text = "'";
-  for (const char c : x) text += c == '\'' ? std::string("''") : std::string(1, c);
-  return text + "'";
-}
+std::string value_text(const std::string& x) { return yaml_text(x); }
 std::string value_text(const Vec3& v) { return fmt::format("[{}, {}, {}]", v.x(), v.y(), v.z()); }
 std::string value_text(const Mat3& m) {
   return fmt::format("[{}, {}, {}]", value_text(Vec3(m.row(0))), value_text(Vec3(m.row(1))),

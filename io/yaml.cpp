@@ -106,6 +106,21 @@ std::string suggestion(const std::string& key, const std::vector<std::string>& k
   return fmt::format("; known here: {}", fmt::join(known, ", "));
 }
 
+std::string yaml_text(const std::string& text) {
+  const auto control = [](char c) { return static_cast<unsigned char>(c) < 0x20 || c == 0x7f; };
+  const char quote = std::any_of(text.begin(), text.end(), control) ? '"' : '\'';
+  std::string out(1, quote);
+  for (const char c : text) {
+    if (control(c))
+      out += fmt::format("\\x{:02x}", c);
+    else if (quote == '"' && (c == '"' || c == '\\'))
+      out += {'\\', c};
+    else
+      out += c == quote ? std::string(2, c) : std::string(1, c);
+  }
+  return out + quote;
+}
+
 void refuse_unknown_keys(const YAML::Node& map, const std::vector<std::string>& known, YamlFaults& faults) {
   for (const auto& entry : map) {
     const std::string key = entry.first.IsScalar() ? entry.first.Scalar() : "(not a name)";

@@ -41,6 +41,10 @@ class YamlFaults {
 /// Reports every key of the map that is not in `known`.
 void refuse_unknown_keys(const YAML::Node& map, const std::vector<std::string>& known, YamlFaults& faults);
 
+/// A text as YAML that reads back to the same bytes. In single quotes, where nothing has a meaning but the quote; a
+/// text of several lines or with control characters in double quotes, because single ones fold its lines.
+[[nodiscard]] std::string yaml_text(const std::string& text);
+
 // One read_value per type a field may have. Each leaves `out` as it was when it reports a fault.
 void read_value(const YAML::Node& node, double& out, const Range& range, const std::string& key, YamlFaults& faults);
 void read_value(const YAML::Node& node, int& out, const Range& range, const std::string& key, YamlFaults& faults);

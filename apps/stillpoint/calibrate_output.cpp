@@ -3,15 +3,10 @@
 #include <fmt/format.h>
 
 #include "io/triad_factory.h"
+#include "io/yaml.h"
 
 namespace stillpoint::app {
 namespace {
-
-std::string quoted(const std::string& text) {
-  std::string out = "'";
-  for (const char c : text) out += c == '\'' ? std::string("''") : std::string(1, c);
-  return out + "'";
-}
 
 std::string triad_yaml(const char* name, const char* unit, const TriadCalibration& t) {
   return fmt::format("  {}:  # {}; {}, {} pieces of evidence\n", name, unit, stillpoint::name(t.status), t.windows) +
@@ -27,7 +22,7 @@ std::string triad_yaml(const char* name, const char* unit, const TriadCalibratio
 }  // namespace
 
 std::string sensor_yaml(const std::string& sensor_id, const CalibrationSnapshot& learnt, bool has_mag) {
-  std::string out = fmt::format("sensor:\n  id: {}\n", quoted(sensor_id));
+  std::string out = fmt::format("sensor:\n  id: {}\n", io::yaml_text(sensor_id));
   out += triad_yaml("accelerometer", "m/s^2", learnt.acc);
   out += triad_yaml("gyroscope", "rad/s", learnt.gyr);
   if (has_mag) out += triad_yaml("magnetometer", "uT", learnt.mag);

@@ -88,5 +88,14 @@ TEST(Yaml, SaysWhereTheSyntaxBreaks) {
   EXPECT_EQ(load_yaml("/nowhere/f.yaml").error().kind, ErrorKind::kNoInput);
 }
 
+TEST(Yaml, ATextIsWrittenSoThatItReadsBackToTheSameBytes) {
+  EXPECT_EQ(yaml_text("it's"), "'it''s'");
+  std::string ascii;
+  for (char c = 0; c >= 0 && c < 0x7f; ++c) ascii += c;
+  for (const std::string& text : {std::string("plain"), std::string(), std::string("two\nlines \"\\' and\ttabs\r"),
+                                  std::string("\xc2\xb5T"), ascii + '\x7f'})
+    EXPECT_EQ(YAML::Load("a: " + yaml_text(text))["a"].as<std::string>(), text) << yaml_text(text);
+}
+
 }  // namespace
 }  // namespace stillpoint::io
