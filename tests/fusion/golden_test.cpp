@@ -2,13 +2,11 @@
 /// To write them anew: STILLPOINT_WRITE_GOLDEN=1 build/release/tests/test_fusion --gtest_filter='Golden*'
 #include <gtest/gtest.h>
 
-#include <cstdlib>
 #include <filesystem>
-#include <fstream>
-#include <sstream>
 
 #include "fusion/attitude_filter.h"
 #include "io/recording.h"
+#include "tests/fusion/golden.h"
 #include "tests/fusion/random_motion.h"
 #include "tests/source_folder.h"
 
@@ -16,39 +14,12 @@ namespace stillpoint::fusion {
 namespace {
 
 constexpr double kEvery_s = 1.0;
-constexpr double kRounding = 2e-6;  ///< one unit of the last digit, and the rounding of another compiler
-
 std::string line(const AttitudeEstimate& e) {
   char text[160];
   std::snprintf(text, sizeof text, "%.3f %.6f %.6f %.6f %.6f %.6f %.6f %d %d\n", 1e-9 * static_cast<double>(e.t_ns),
                 e.q_world_body[0], e.q_world_body[1], e.q_world_body[2], e.q_world_body[3], e.sigma_roll_rad,
                 e.sigma_yaw_rad, static_cast<int>(e.heading), static_cast<int>(e.status));
   return text;
-}
-
-void check(const std::string& name, const std::string& trace) {
-  const std::string path = in_source("tests/golden/") + name + ".txt";
-  if (std::getenv("STILLPOINT_WRITE_GOLDEN") != nullptr) {
-    std::ofstream(path) << trace;
-    GTEST_SKIP() << "LOUD: SKIPPED, wrote " << path;
-  }
-  std::ifstream file(path);
-  ASSERT_TRUE(file) << path << " is absent";
-  std::istringstream now(trace);
-  std::string stored_line, now_line;
-  int number = 0;
-  while (std::getline(file, stored_line)) {
-    ++number;
-    ASSERT_TRUE(std::getline(now, now_line)) << path << ":" << number << ": the replay is shorter";
-    std::istringstream a(stored_line), b(now_line);
-    double x = 0.0, y = 0.0;
-    while (a >> x) {
-      ASSERT_TRUE(b >> y);
-      ASSERT_NEAR(x, y, kRounding) << path << ":" << number << "\nstored " << stored_line << "\nnow    " << now_line;
-    }
-  }
-  EXPECT_FALSE(std::getline(now, now_line)) << path << ": the replay is longer";
-  EXPECT_GT(number, 10);
 }
 
 template <class Next>
@@ -74,18 +45,18 @@ void check_recording(const std::string& name, const std::string& file) {
   const auto recording = io::read_recording(path);
   ASSERT_TRUE(recording.has_value()) << recording.error().message;
   double still_s = 0.0;
-  check(name, trace_of(recording->size(), [&](std::size_t i) {
-          const RawSample raw = recording->sample(i);
-          CalibratedSample s;
-          s.t_ns = raw.t_ns;
-          s.acc_mps2 = raw.acc_mps2;
-          s.gyr_radps = raw.gyr_radps;
-          s.mag_uT = raw.mag_uT;
-          s.has = raw.has;
-          const double dt_s = i == 0 ? 0.0 : recording->t_s(i) - recording->t_s(i - 1);
-          still_s = vec(raw.gyr_radps).norm() < 0.05 ? still_s + dt_s : 0.0;
-          return std::pair{s, still_s > 2.0};
-        }));
+  check_golden(name, trace_of(recording->size(), [&](std::size_t i) {
+                 const RawSample raw = recording->sample(i);
+                 CalibratedSample s;
+                 s.t_ns = raw.t_ns;
+                 s.acc_mps2 = raw.acc_mps2;
+                 s.gyr_radps = raw.gyr_radps;
+                 s.mag_uT = raw.mag_uT;
+                 s.has = raw.has;
+                 const double dt_s = i == 0 ? 0.0 : recording->t_s(i) - recording->t_s(i - 1);
+                 still_s = vec(raw.gyr_radps).norm() < 0.05 ? still_s + dt_s : 0.0;
+                 return std::pair{s, still_s > 2.0};
+               }));
 }
 
 TEST(Golden, HandheldNineAxis) {
@@ -103,13 +74,13 @@ TEST(Golden, BroadPhoneVibration) { check_recording("broad_26", "broad/26_distur
 
 TEST(Golden, SimulatedHandMotionWithAMagnetAndAGap) {
   test::RandomMotion motion({}, 1);
-  check("simulated", trace_of(9000, [&](std::size_t i) {
-          const bool still = i % 2000 < 500;
-          CalibratedSample s = motion.next(still);
-          if (i > 4000 && i < 5000) vec(s.mag_uT) += Vec3(20.0, 10.0, 0.0);
-          if (i > 6000 && i < 6100) s.has = kAcc;
-          return std::pair{s, still && i % 2000 > 200};
-        }));
+  check_golden("simulated", trace_of(9000, [&](std::size_t i) {
+                 const bool still = i % 2000 < 500;
+                 CalibratedSample s = motion.next(still);
+                 if (i > 4000 && i < 5000) vec(s.mag_uT) += Vec3(20.0, 10.0, 0.0);
+                 if (i > 6000 && i < 6100) s.has = kAcc;
+                 return std::pair{s, still && i % 2000 > 200};
+               }));
 }
 
 }  // namespace
