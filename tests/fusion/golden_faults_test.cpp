@@ -6,8 +6,8 @@
 #include <limits>
 
 #include "fusion/attitude_filter.h"
-#include "tests/fusion/golden.h"
 #include "tests/fusion/random_motion.h"
+#include "tests/golden.h"
 
 namespace stillpoint::fusion {
 namespace {
@@ -52,7 +52,7 @@ bool within(double t_s, double from_s, double to_s) { return t_s >= from_s && t_
 
 TEST(GoldenFaults, Silences) {
   AttitudeFilter filter;
-  check_golden(
+  test::check_golden(
       "silences", trace_of(filter, {}, 140.0, [](double t_s, CalibratedSample& s) {
         if (t_s < 0.3) vec(s.acc_mps2) *= 0.01;  // falling: no down yet
         if (within(t_s, 26.0, 29.0)) s.has = kAcc | kMag;
@@ -68,51 +68,51 @@ TEST(GoldenFaults, Silences) {
 TEST(GoldenFaults, RailsRepetitionsAndLines) {
   AttitudeFilter filter;
   CalibratedSample held;
-  check_golden("rails", trace_of(filter, {}, 100.0, [&held](double t_s, CalibratedSample& s) {
-                 const auto cut = [&s](Array3& reading, double limit, SamplePart part) {
-                   for (double& x : reading) {
-                     if (std::abs(x) < limit) continue;
-                     x = std::copysign(limit, x);
-                     s.clipped = static_cast<std::uint8_t>(s.clipped | part);
-                   }
-                 };
-                 if (within(t_s, 26.0, 30.0)) cut(s.gyr_radps, 0.8, kGyr);
-                 if (within(t_s, 32.0, 36.0)) cut(s.acc_mps2, 10.5, kAcc);
-                 if (within(t_s, 38.0, 39.0)) cut(s.mag_uT, 30.0, kMag);
-                 if (within(t_s, 46.0, 48.5)) s.gyr_radps = held.gyr_radps;
-                 if (within(t_s, 50.0, 52.5)) s.acc_mps2 = held.acc_mps2;
-                 if (within(t_s, 54.0, 55.0))
-                   for (double& x : s.gyr_radps) x = 0.3 * (t_s - 54.0);  // drawn as a line
-                 if (within(t_s, 66.0, 66.3)) s.gyr_radps[1] = std::numeric_limits<double>::quiet_NaN();
-                 if (within(t_s, 68.0, 68.3)) s.acc_mps2[2] = std::numeric_limits<double>::infinity();
-                 if (within(t_s, 70.0, 70.3)) s.gyr_radps[0] = 2e3;
-                 if (within(t_s, 72.0, 78.0)) s.mag_uT = held.mag_uT;
-                 if (within(t_s, 90.0, 90.1)) s.t_ns -= 1'000'000'000;
-                 held = s;
-                 return true;
-               }));
+  test::check_golden("rails", trace_of(filter, {}, 100.0, [&held](double t_s, CalibratedSample& s) {
+                       const auto cut = [&s](Array3& reading, double limit, SamplePart part) {
+                         for (double& x : reading) {
+                           if (std::abs(x) < limit) continue;
+                           x = std::copysign(limit, x);
+                           s.clipped = static_cast<std::uint8_t>(s.clipped | part);
+                         }
+                       };
+                       if (within(t_s, 26.0, 30.0)) cut(s.gyr_radps, 0.8, kGyr);
+                       if (within(t_s, 32.0, 36.0)) cut(s.acc_mps2, 10.5, kAcc);
+                       if (within(t_s, 38.0, 39.0)) cut(s.mag_uT, 30.0, kMag);
+                       if (within(t_s, 46.0, 48.5)) s.gyr_radps = held.gyr_radps;
+                       if (within(t_s, 50.0, 52.5)) s.acc_mps2 = held.acc_mps2;
+                       if (within(t_s, 54.0, 55.0))
+                         for (double& x : s.gyr_radps) x = 0.3 * (t_s - 54.0);  // drawn as a line
+                       if (within(t_s, 66.0, 66.3)) s.gyr_radps[1] = std::numeric_limits<double>::quiet_NaN();
+                       if (within(t_s, 68.0, 68.3)) s.acc_mps2[2] = std::numeric_limits<double>::infinity();
+                       if (within(t_s, 70.0, 70.3)) s.gyr_radps[0] = 2e3;
+                       if (within(t_s, 72.0, 78.0)) s.mag_uT = held.mag_uT;
+                       if (within(t_s, 90.0, 90.1)) s.t_ns -= 1'000'000'000;
+                       held = s;
+                       return true;
+                     }));
 }
 
 TEST(GoldenFaults, OffsetsThatJump) {
   AttitudeFilter filter;
-  check_golden("offsets", trace_of(filter, {}, 160.0, [](double t_s, CalibratedSample& s) {
-                 if (t_s > 30.0) vec(s.gyr_radps) += Vec3(0.02, -0.015, 0.01);
-                 if (t_s > 61.0) vec(s.gyr_radps) += Vec3(-0.05, 0.03, 0.06);  // at rest
-                 if (t_s > 90.0) vec(s.acc_mps2) += Vec3(1.5, -1.2, 0.4);
-                 if (t_s > 110.0) vec(s.mag_uT) += Vec3(40.0, -60.0, 20.0);  // a magnet on the body
-                 return true;
-               }));
+  test::check_golden("offsets", trace_of(filter, {}, 160.0, [](double t_s, CalibratedSample& s) {
+                       if (t_s > 30.0) vec(s.gyr_radps) += Vec3(0.02, -0.015, 0.01);
+                       if (t_s > 61.0) vec(s.gyr_radps) += Vec3(-0.05, 0.03, 0.06);  // at rest
+                       if (t_s > 90.0) vec(s.acc_mps2) += Vec3(1.5, -1.2, 0.4);
+                       if (t_s > 110.0) vec(s.mag_uT) += Vec3(40.0, -60.0, 20.0);  // a magnet on the body
+                       return true;
+                     }));
 }
 
 TEST(GoldenFaults, AxesThatAreOthers) {
   AttitudeFilter filter;
-  check_golden("axes", trace_of(filter, {}, 140.0, [](double t_s, CalibratedSample& s) {
-                 if (within(t_s, 28.0, 36.0)) s.gyr_radps[0] *= -1.0;
-                 if (within(t_s, 68.0, 76.0)) std::swap(s.acc_mps2[0], s.acc_mps2[2]);
-                 if (within(t_s, 108.0, 116.0)) s.mag_uT[1] *= -1.0;
-                 if (within(t_s, 126.0, 132.0)) vec(s.mag_uT) += Vec3(0.0, 30.0, 0.0);
-                 return true;
-               }));
+  test::check_golden("axes", trace_of(filter, {}, 140.0, [](double t_s, CalibratedSample& s) {
+                       if (within(t_s, 28.0, 36.0)) s.gyr_radps[0] *= -1.0;
+                       if (within(t_s, 68.0, 76.0)) std::swap(s.acc_mps2[0], s.acc_mps2[2]);
+                       if (within(t_s, 108.0, 116.0)) s.mag_uT[1] *= -1.0;
+                       if (within(t_s, 126.0, 132.0)) vec(s.mag_uT) += Vec3(0.0, 30.0, 0.0);
+                       return true;
+                     }));
 }
 
 TEST(GoldenFaults, ACarThatIsNoHand) {
@@ -122,7 +122,7 @@ TEST(GoldenFaults, ACarThatIsNoHand) {
   car.turn_radps = 0.1;
   car.deviation_rad = 0.1;
   AttitudeFilter filter;
-  check_golden("car", trace_of(filter, car, 100.0, [](double, CalibratedSample&) { return true; }));
+  test::check_golden("car", trace_of(filter, car, 100.0, [](double, CalibratedSample&) { return true; }));
 }
 
 TEST(GoldenFaults, EveryOptionIsAnotherOne) {
@@ -133,27 +133,27 @@ TEST(GoldenFaults, EveryOptionIsAnotherOne) {
   params.update_period_s = 0.1;
   AttitudeFilter filter(params);
   filter.reset(1.0);
-  check_golden("options", trace_of(filter, {}, 80.0, [&filter](double t_s, CalibratedSample& s) {
-                 s.temp_degC = 20.0 + 0.1 * t_s;
-                 s.has |= kTemp;
-                 s.acc_turn_rad = {0.001, -0.002, 0.003};
-                 s.mag_turn_rad = {-0.004, 0.002, 0.001};
-                 if (s.sequence == 3200) filter.use_noise({5e-4, 0.05, 0.4});
-                 if (s.sequence != 4800) return true;
-                 CalibrationSnapshot from, to;
-                 to.gyr.matrix = {1.001, 0.002, 0.0, 0.0, 0.998, 0.001, -0.002, 0.0, 1.003};
-                 to.gyr.bias = {0.004, -0.002, 0.001};
-                 to.gyr.bias_per_K = {1e-4, -2e-4, 0.0};
-                 to.gyr.temp_max_degC = 30.0;
-                 to.gyr.temp_min_degC = 20.0;
-                 to.acc.status = to.mag.status = CalibrationStatus::kOk;
-                 to.acc.norm_sd = 0.02;
-                 to.mag.matrix = {1.02, 0.0, 0.01, 0.0, 0.97, 0.0, 0.0, 0.02, 1.01};
-                 to.mag.bias = {0.5, -0.4, 0.2};
-                 to.mag.bias_covariance = {0.04, 0.0, 0.0, 0.0, 0.05, 0.0, 0.0, 0.0, 0.06};
-                 filter.rebase(from, to);
-                 return true;
-               }));
+  test::check_golden("options", trace_of(filter, {}, 80.0, [&filter](double t_s, CalibratedSample& s) {
+                       s.temp_degC = 20.0 + 0.1 * t_s;
+                       s.has |= kTemp;
+                       s.acc_turn_rad = {0.001, -0.002, 0.003};
+                       s.mag_turn_rad = {-0.004, 0.002, 0.001};
+                       if (s.sequence == 3200) filter.use_noise({5e-4, 0.05, 0.4});
+                       if (s.sequence != 4800) return true;
+                       CalibrationSnapshot from, to;
+                       to.gyr.matrix = {1.001, 0.002, 0.0, 0.0, 0.998, 0.001, -0.002, 0.0, 1.003};
+                       to.gyr.bias = {0.004, -0.002, 0.001};
+                       to.gyr.bias_per_K = {1e-4, -2e-4, 0.0};
+                       to.gyr.temp_max_degC = 30.0;
+                       to.gyr.temp_min_degC = 20.0;
+                       to.acc.status = to.mag.status = CalibrationStatus::kOk;
+                       to.acc.norm_sd = 0.02;
+                       to.mag.matrix = {1.02, 0.0, 0.01, 0.0, 0.97, 0.0, 0.0, 0.02, 1.01};
+                       to.mag.bias = {0.5, -0.4, 0.2};
+                       to.mag.bias_covariance = {0.04, 0.0, 0.0, 0.0, 0.05, 0.0, 0.0, 0.0, 0.06};
+                       filter.rebase(from, to);
+                       return true;
+                     }));
 }
 
 TEST(GoldenFaults, BackwardsInTime) {
@@ -172,7 +172,7 @@ TEST(GoldenFaults, BackwardsInTime) {
     const AttitudeEstimate e = filter.step(s, (samples.size() - 1 - k) % 2000 < 500);
     if (k % 100 == 0) trace += line(e);
   }
-  check_golden("backwards", trace);
+  test::check_golden("backwards", trace);
 }
 
 }  // namespace

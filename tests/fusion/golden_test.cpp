@@ -6,8 +6,8 @@
 
 #include "fusion/attitude_filter.h"
 #include "io/recording.h"
-#include "tests/fusion/golden.h"
 #include "tests/fusion/random_motion.h"
+#include "tests/golden.h"
 #include "tests/source_folder.h"
 
 namespace stillpoint::fusion {
@@ -45,18 +45,18 @@ void check_recording(const std::string& name, const std::string& file) {
   const auto recording = io::read_recording(path);
   ASSERT_TRUE(recording.has_value()) << recording.error().message;
   double still_s = 0.0;
-  check_golden(name, trace_of(recording->size(), [&](std::size_t i) {
-                 const RawSample raw = recording->sample(i);
-                 CalibratedSample s;
-                 s.t_ns = raw.t_ns;
-                 s.acc_mps2 = raw.acc_mps2;
-                 s.gyr_radps = raw.gyr_radps;
-                 s.mag_uT = raw.mag_uT;
-                 s.has = raw.has;
-                 const double dt_s = i == 0 ? 0.0 : recording->t_s(i) - recording->t_s(i - 1);
-                 still_s = vec(raw.gyr_radps).norm() < 0.05 ? still_s + dt_s : 0.0;
-                 return std::pair{s, still_s > 2.0};
-               }));
+  test::check_golden(name, trace_of(recording->size(), [&](std::size_t i) {
+                       const RawSample raw = recording->sample(i);
+                       CalibratedSample s;
+                       s.t_ns = raw.t_ns;
+                       s.acc_mps2 = raw.acc_mps2;
+                       s.gyr_radps = raw.gyr_radps;
+                       s.mag_uT = raw.mag_uT;
+                       s.has = raw.has;
+                       const double dt_s = i == 0 ? 0.0 : recording->t_s(i) - recording->t_s(i - 1);
+                       still_s = vec(raw.gyr_radps).norm() < 0.05 ? still_s + dt_s : 0.0;
+                       return std::pair{s, still_s > 2.0};
+                     }));
 }
 
 TEST(Golden, HandheldNineAxis) {
@@ -74,13 +74,13 @@ TEST(Golden, BroadPhoneVibration) { check_recording("broad_26", "broad/26_distur
 
 TEST(Golden, SimulatedHandMotionWithAMagnetAndAGap) {
   test::RandomMotion motion({}, 1);
-  check_golden("simulated", trace_of(9000, [&](std::size_t i) {
-                 const bool still = i % 2000 < 500;
-                 CalibratedSample s = motion.next(still);
-                 if (i > 4000 && i < 5000) vec(s.mag_uT) += Vec3(20.0, 10.0, 0.0);
-                 if (i > 6000 && i < 6100) s.has = kAcc;
-                 return std::pair{s, still && i % 2000 > 200};
-               }));
+  test::check_golden("simulated", trace_of(9000, [&](std::size_t i) {
+                       const bool still = i % 2000 < 500;
+                       CalibratedSample s = motion.next(still);
+                       if (i > 4000 && i < 5000) vec(s.mag_uT) += Vec3(20.0, 10.0, 0.0);
+                       if (i > 6000 && i < 6100) s.has = kAcc;
+                       return std::pair{s, still && i % 2000 > 200};
+                     }));
 }
 
 }  // namespace

@@ -138,5 +138,39 @@ TEST(Recording, RefusesTimesWhoseDifferencesOverflow) {
   EXPECT_EQ(r->issues.malformed.count, 2U);
 }
 
+TEST(Recording, EveryColumnIsWrittenAndReadBackInItsPlace) {
+  Recording r;
+  r.header = {{"sensor", "abc"}};
+  for (int i = 0; i < 3; ++i) {
+    r.t_ns.push_back(10'000'000 * i);
+    r.acc_mps2.emplace_back(1 + i, 2, 3);
+    r.gyr_radps.emplace_back(0.1, 0.2 + i, 0.3);
+    r.mag_uT.emplace_back(10, 20, 30 + i);
+    r.temp_degC.push_back(25.5 + i);
+    r.current_A.push_back(0.5 * i);
+    r.supply_V.push_back(3.5 - 0.5 * i);
+    r.ref_q_world_body.emplace_back(0.5, 0.5, -0.5, 0.5);
+    r.ref_position_m.emplace_back(-1, -2 - i, -3);
+    r.ref_moving.push_back(i % 2);
+    r.user_columns["wheel_rpm"].push_back(100 + i);
+  }
+  const std::string path = ::testing::TempDir() + "/every_column.csv";
+  ASSERT_TRUE(write_recording(r, path));
+  const auto back = read_recording(path);
+  ASSERT_TRUE(back) << back.error().message;
+  EXPECT_EQ(back->header.at("sensor"), "abc");
+  EXPECT_EQ(back->t_ns, r.t_ns);
+  EXPECT_EQ(back->acc_mps2, r.acc_mps2);
+  EXPECT_EQ(back->gyr_radps, r.gyr_radps);
+  EXPECT_EQ(back->mag_uT, r.mag_uT);
+  EXPECT_EQ(back->temp_degC, r.temp_degC);
+  EXPECT_EQ(back->current_A, r.current_A);
+  EXPECT_EQ(back->supply_V, r.supply_V);
+  EXPECT_EQ(back->ref_q_world_body, r.ref_q_world_body);
+  EXPECT_EQ(back->ref_position_m, r.ref_position_m);
+  EXPECT_EQ(back->ref_moving, r.ref_moving);
+  EXPECT_EQ(back->user_columns, r.user_columns);
+}
+
 }  // namespace
 }  // namespace stillpoint::io

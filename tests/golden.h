@@ -9,7 +9,7 @@
 
 #include "tests/source_folder.h"
 
-namespace stillpoint::fusion {
+namespace stillpoint::test {
 
 inline void check_golden(const std::string& name, const std::string& trace) {
   const std::string path = in_source("tests/golden/") + name + ".txt";
@@ -37,4 +37,4 @@ inline void check_golden(const std::string& name, const std::string& trace) {
   EXPECT_GT(number, 10);
 }
 
-}  // namespace stillpoint::fusion
+}  // namespace stillpoint::test

@@ -1,0 +1,107 @@
+/// What a subscriber is told and what is learnt, through all stages, of a sensor whose every fault has its minute. What
+/// the daemon has to do about each is asked elsewhere; here a figure that is another one shows.
+#include <gtest/gtest.h>
+
+#include <iomanip>
+#include <limits>
+
+#include "tests/golden.h"
+#include "tests/pipeline/simulated_run.h"
+
+namespace stillpoint::pipeline {
+namespace {
+
+constexpr char kSensor[] =
+    "rate_hz: 100\n"
+    "accelerometer: {noise_mps2: 0.03, bias: [0.12, -0.1, 0.2], matrix: [[1.01, 0, 0], [0, 0.99, 0.004], [0, 0, 1]]}\n"
+    "gyroscope: {noise_radps: 0.002, bias: [0.02, -0.015, 0.03], matrix: [[1.008, 0, 0.002], [0, 0.99, 0], [0, 0, "
+    "1]]}\n"
+    "magnetometer: {noise_uT: 0.4, bias: [12, -6, 10], matrix: [[1.03, 0, 0], [0, 0.98, 0], [0, 0.01, 1]]}\n"
+    "motion: {kind: hand, duration_s: 400}\n";
+
+std::string line(const Processed& out, const CalibrationSnapshot& learnt) {
+  std::ostringstream text;
+  text << std::fixed << std::setprecision(6);
+  const auto put = [&text](const auto& values) {
+    for (const auto& x : values) text << x << ' ';
+  };
+  const AttitudeMessage m = to_message(out);
+  text << 1e-9 * static_cast<double>(m.t_ns) << ' ' << m.sequence << ' ' << m.calibration_version << ' ';
+  put(m.q_world_body_xyzw);
+  put(m.rate_radps);
+  put(m.gyro_bias_radps);
+  put(m.sigma_rpy_rad);
+  text << m.temp_degC << ' ' << m.at_rest << ' ' << static_cast<int>(m.status) << ' '
+       << static_cast<int>(m.heading_reference) << ' ';
+  for (const SensorHealth& h : {m.health.acc, m.health.gyr, m.health.mag, m.health.temp})
+    text << static_cast<int>(h.state) << ' ' << static_cast<int>(h.fault) << ' '
+         << 1e-9 * static_cast<double>(h.since_ns) << ' ';
+  for (const TriadCalibration& t : {learnt.acc, learnt.gyr, learnt.mag}) {
+    put(t.bias);
+    put(t.matrix);
+    text << t.windows << ' ' << static_cast<int>(t.status) << ' ';
+  }
+  text << '\n';
+  return text.str();
+}
+
+/// Every fourth second a line. `change(t_s, sample)` spoils a reading; false: it never came.
+template <class Change>
+std::string trace_of(const StagesParams& params, const Change& change) {
+  const auto simulation = io::parse_simulation(kSensor, "test");
+  SP_EXPECTS(simulation.has_value());
+  sim::Simulator simulator(*simulation, sim::make_motion(*simulation->motion, 5), 5);
+  calib::OnlineCalibrator calibrator({}, {});
+  DirectLink link(calibrator);
+  Stages stages(params, calibrator.snapshot());
+  std::string trace;
+  std::int64_t due_ns = 0;
+  Processed out;
+  for (sim::SimulatedSample s; simulator.next(s);) {
+    if (!change(1e-9 * static_cast<double>(s.sample.t_ns), s.sample)) continue;
+    if (stages.process(s.sample, out, link) == StageStatus::kDrop || out.attitude.t_ns < due_ns) continue;
+    trace += line(out, stages.live());
+    due_ns = out.attitude.t_ns + 4'000'000'000;
+  }
+  const StagesCounts& counts = stages.counts();
+  const auto& guarded = stages.guard().counts();
+  trace += std::to_string(counts.windows) + ' ' + std::to_string(counts.answers_late) + ' ' +
+           std::to_string(counts.gate_refused) + ' ' + std::to_string(guarded.gaps) + '\n';
+  return trace;
+}
+
+bool within(double t_s, double from_s, double to_s) { return t_s >= from_s && t_s < to_s; }
+
+TEST(GoldenStages, ASoundSensorIsLearnt) {
+  test::check_golden("stages_sound", trace_of({}, [](double t_s, RawSample& s) {
+                       s.temp_degC = 22.0 + 0.02 * t_s;
+                       s.has |= kTemp;
+                       return true;
+                     }));
+}
+
+TEST(GoldenStages, EveryFaultHasItsMinute) {
+  RawSample held;
+  StagesParams params;
+  params.guard.acc_limit_mps2 = 30.0;
+  test::check_golden("stages_faults", trace_of(params, [&held](double t_s, RawSample& s) {
+                       if (within(t_s, 60.0, 64.0)) s.gyr_radps = held.gyr_radps;
+                       if (within(t_s, 90.0, 94.0)) s.acc_mps2[1] = held.acc_mps2[1];
+                       if (within(t_s, 120.0, 124.0)) s.mag_uT = held.mag_uT;
+                       if (within(t_s, 150.0, 154.0)) s.gyr_radps[0] *= -1.0;
+                       if (within(t_s, 180.0, 184.0)) vec(s.acc_mps2) *= 2.0;
+                       if (within(t_s, 210.0, 210.5)) s.gyr_radps[2] = std::numeric_limits<double>::quiet_NaN();
+                       if (within(t_s, 225.0, 225.1)) s.gyr_radps[1] = 300.0;
+                       if (within(t_s, 240.0, 243.0)) return false;
+                       if (within(t_s, 260.0, 262.0)) s.has = kGyr | kMag;
+                       if (within(t_s, 280.0, 282.0)) s.acc_mps2 = {35.0, 0.0, 0.0};
+                       if (within(t_s, 300.0, 308.0)) vec(s.mag_uT) += Vec3(80.0, 0.0, -40.0);
+                       if (within(t_s, 330.0, 334.0)) s.acc_mps2 = {0.0, 0.0, 0.0};
+                       if (t_s > 350.0) vec(s.gyr_radps) += Vec3(0.017, 0.0, 0.0);
+                       held = s;
+                       return true;
+                     }));
+}
+
+}  // namespace
+}  // namespace stillpoint::pipeline
