@@ -32,12 +32,12 @@ COMPENSATION = r"pipeline/(compensate|correct)_stage\.|core/calibration\."
 # What is mutated (a pattern of paths), and the test programs that are to notice. The daemon's configuration and DDS are
 # tested through whole programs (test_apps, test_dds), which takes too long for each mutant.
 MODULES = {
-    "calib_online": (r"calib_online/", ["test_calib_online"]),
+    "calib_online": (r"calib_online/", ["test_calib_online", "test_pipeline"]),
     "fusion": (r"fusion/", ["test_fusion"]),
     "compensation": (COMPENSATION, ["test_pipeline", "test_core"]),
-    "pipeline": (rf"(?!{COMPENSATION})pipeline/", ["test_pipeline", "test_threads"]),
-    "io": (r"io/(?!dds_|config)", ["test_io"]),
-    "sources": (r"sources/", ["test_sources"]),
+    "pipeline": (rf"(?!{COMPENSATION})pipeline/", ["test_pipeline", "test_threads", "test_allocations"]),
+    "io": (r"io/(?!dds_|config|source_config)", ["test_io", "test_simulation"]),
+    "sources": (r"sources/|io/source_config", ["test_sources"]),
     "diagnosis": (r"diagnosis/", ["test_diagnosis"]),
 }
 LARGEST_MEMORY = 6 << 30  # of one test program: a mutant may ask for any amount
