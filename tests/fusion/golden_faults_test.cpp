@@ -14,6 +14,7 @@ namespace {
 
 using test::MotionParams;
 using test::RandomMotion;
+using test::within;
 
 std::string line(const AttitudeEstimate& e) {
   std::ostringstream out;
@@ -34,21 +35,16 @@ std::string line(const AttitudeEstimate& e) {
 template <class Change>
 std::string trace_of(AttitudeFilter& filter, const MotionParams& params, double duration_s, const Change& change) {
   RandomMotion motion(params, 3);
-  std::string trace;
-  std::int64_t due_ns = 0;
+  test::GoldenTrace trace{1'000'000'000};
   for (int i = 0; i < static_cast<int>(duration_s * params.rate_hz); ++i) {
     const double t_s = i / params.rate_hz, in_round_s = std::fmod(t_s, 20.0);
     CalibratedSample s = motion.next(in_round_s < 5.0);
     if (!change(t_s, s)) continue;
     const AttitudeEstimate e = filter.step(s, in_round_s > 0.5 && in_round_s < 5.0);
-    if (e.t_ns < due_ns) continue;
-    trace += line(e);
-    due_ns = e.t_ns + 1'000'000'000;
+    trace.add(e.t_ns, [&e] { return line(e); });
   }
-  return trace;
+  return trace.text;
 }
-
-bool within(double t_s, double from_s, double to_s) { return t_s >= from_s && t_s < to_s; }
 
 TEST(GoldenFaults, Silences) {
   AttitudeFilter filter;

@@ -1,5 +1,4 @@
-/// Replays whose rounded attitude lies in tests/golden: a change of behaviour shows as a diff and must be committed.
-/// To write them anew: STILLPOINT_WRITE_GOLDEN=1 build/release/tests/test_fusion --gtest_filter='Golden*'
+/// Replays of recordings and of a simulated hand through the filter (tests/golden.h).
 #include <gtest/gtest.h>
 
 #include <filesystem>
@@ -13,7 +12,6 @@
 namespace stillpoint::fusion {
 namespace {
 
-constexpr double kEvery_s = 1.0;
 std::string line(const AttitudeEstimate& e) {
   char text[160];
   std::snprintf(text, sizeof text, "%.3f %.6f %.6f %.6f %.6f %.6f %.6f %d %d\n", 1e-9 * static_cast<double>(e.t_ns),
@@ -25,16 +23,13 @@ std::string line(const AttitudeEstimate& e) {
 template <class Next>
 std::string trace_of(std::size_t n, Next&& next) {
   AttitudeFilter filter;
-  std::string trace;
-  std::int64_t due_ns = 0;
+  test::GoldenTrace trace{1'000'000'000};
   for (std::size_t i = 0; i < n; ++i) {
     const auto [sample, rest] = next(i);
     const AttitudeEstimate e = filter.step(sample, rest);
-    if (e.t_ns < due_ns) continue;
-    trace += line(e);
-    due_ns = e.t_ns + static_cast<std::int64_t>(kEvery_s * kNsPerSecond);
+    trace.add(e.t_ns, [&e] { return line(e); });
   }
-  return trace;
+  return trace.text;
 }
 
 /// A rest rule of its own (the rate stays small for two seconds), so that a change of the rest detector is not a change

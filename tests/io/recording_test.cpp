@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "io/yaml.h"
+#include "tests/scratch_folder.h"
 
 namespace stillpoint::io {
 namespace {
@@ -154,7 +155,8 @@ TEST(Recording, EveryColumnIsWrittenAndReadBackInItsPlace) {
     r.ref_moving.push_back(i % 2);
     r.user_columns["wheel_rpm"].push_back(100 + i);
   }
-  const std::string path = ::testing::TempDir() + "/every_column.csv";
+  const test::ScratchFolder folder;
+  const std::string path = folder / "every_column.csv";
   ASSERT_TRUE(write_recording(r, path));
   const auto back = read_recording(path);
   ASSERT_TRUE(back) << back.error().message;

@@ -11,6 +11,8 @@
 namespace stillpoint::pipeline {
 namespace {
 
+using test::within;
+
 constexpr char kSensor[] =
     "rate_hz: 100\n"
     "accelerometer: {noise_mps2: 0.03, bias: [0.12, -0.1, 0.2], matrix: [[1.01, 0, 0], [0, 0.99, 0.004], [0, 0, 1]]}\n"
@@ -19,7 +21,7 @@ constexpr char kSensor[] =
     "magnetometer: {noise_uT: 0.4, bias: [12, -6, 10], matrix: [[1.03, 0, 0], [0, 0.98, 0], [0, 0.01, 1]]}\n"
     "motion: {kind: hand, duration_s: 400}\n";
 
-std::string line(const Processed& out, const CalibrationSnapshot& learnt) {
+std::string line(const Processed& out, const Stages& stages) {
   std::ostringstream text;
   text << std::fixed << std::setprecision(6);
   const auto put = [&text](const auto& values) {
@@ -36,41 +38,29 @@ std::string line(const Processed& out, const CalibrationSnapshot& learnt) {
   for (const SensorHealth& h : {m.health.acc, m.health.gyr, m.health.mag, m.health.temp})
     text << static_cast<int>(h.state) << ' ' << static_cast<int>(h.fault) << ' '
          << 1e-9 * static_cast<double>(h.since_ns) << ' ';
+  const CalibrationSnapshot& learnt = stages.live();
   for (const TriadCalibration& t : {learnt.acc, learnt.gyr, learnt.mag}) {
     put(t.bias);
     put(t.matrix);
     text << t.windows << ' ' << static_cast<int>(t.status) << ' ';
   }
-  text << '\n';
+  const StagesCounts& counts = stages.counts();
+  text << counts.windows << ' ' << counts.answers_late << ' ' << counts.gate_refused << ' '
+       << stages.guard().counts().gaps << '\n';
   return text.str();
 }
 
 /// Every fourth second a line. `change(t_s, sample)` spoils a reading; false: it never came.
 template <class Change>
 std::string trace_of(const StagesParams& params, const Change& change) {
-  const auto simulation = io::parse_simulation(kSensor, "test");
-  SP_EXPECTS(simulation.has_value());
-  sim::Simulator simulator(*simulation, sim::make_motion(*simulation->motion, 5), 5);
-  calib::OnlineCalibrator calibrator({}, {});
-  DirectLink link(calibrator);
-  Stages stages(params, calibrator.snapshot());
-  std::string trace;
-  std::int64_t due_ns = 0;
-  Processed out;
-  for (sim::SimulatedSample s; simulator.next(s);) {
-    if (!change(1e-9 * static_cast<double>(s.sample.t_ns), s.sample)) continue;
-    if (stages.process(s.sample, out, link) == StageStatus::kDrop || out.attitude.t_ns < due_ns) continue;
-    trace += line(out, stages.live());
-    due_ns = out.attitude.t_ns + 4'000'000'000;
-  }
-  const StagesCounts& counts = stages.counts();
-  const auto& guarded = stages.guard().counts();
-  trace += std::to_string(counts.windows) + ' ' + std::to_string(counts.answers_late) + ' ' +
-           std::to_string(counts.gate_refused) + ' ' + std::to_string(guarded.gaps) + '\n';
-  return trace;
+  test::GoldenTrace trace{4'000'000'000};
+  test::run_spoiled(
+      kSensor, params, 5, [&change](RawSample& s) { return change(1e-9 * static_cast<double>(s.t_ns), s); },
+      [&trace](const sim::SimulatedSample&, const Processed& out, const Stages& stages) {
+        trace.add(out.attitude.t_ns, [&] { return line(out, stages); });
+      });
+  return trace.text;
 }
-
-bool within(double t_s, double from_s, double to_s) { return t_s >= from_s && t_s < to_s; }
 
 TEST(GoldenStages, ASoundSensorIsLearnt) {
   test::check_golden("stages_sound", trace_of({}, [](double t_s, RawSample& s) {

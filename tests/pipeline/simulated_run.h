@@ -9,10 +9,11 @@
 
 namespace stillpoint::test {
 
-/// `each(truth, processed)` after every sample.
-template <class Each>
-void run_simulated(const std::string& simulation_yaml, const pipeline::StagesParams& params, std::uint64_t seed,
-                   const Each& each) {
+/// `each(truth, processed, stages)` after every sample. `spoil(sample)` may change the reading before; false: it never
+/// came.
+template <class Spoil, class Each>
+void run_spoiled(const std::string& simulation_yaml, const pipeline::StagesParams& params, std::uint64_t seed,
+                 const Spoil& spoil, const Each& each) {
   const auto simulation = io::parse_simulation(simulation_yaml, "test");
   SP_EXPECTS(simulation.has_value());
   sim::Simulator simulator(*simulation, sim::make_motion(*simulation->motion, seed), seed);
@@ -21,7 +22,18 @@ void run_simulated(const std::string& simulation_yaml, const pipeline::StagesPar
   pipeline::Stages stages(params, calibrator.snapshot());
   pipeline::Processed out;
   for (sim::SimulatedSample s; simulator.next(s);)
-    if (stages.process(s.sample, out, link) != pipeline::StageStatus::kDrop) each(s, out);
+    if (spoil(s.sample) && stages.process(s.sample, out, link) != pipeline::StageStatus::kDrop) each(s, out, stages);
+}
+
+/// `each(truth, processed)` after every sample.
+template <class Each>
+void run_simulated(const std::string& simulation_yaml, const pipeline::StagesParams& params, std::uint64_t seed,
+                   const Each& each) {
+  run_spoiled(
+      simulation_yaml, params, seed, [](const RawSample&) { return true; },
+      [&each](const sim::SimulatedSample& truth, const pipeline::Processed& out, const pipeline::Stages&) {
+        each(truth, out);
+      });
 }
 
 /// Rotation in the world from the estimate to the truth [rad].
