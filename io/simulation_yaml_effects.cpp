@@ -29,8 +29,10 @@ void read_axes(const YAML::Node& node, std::vector<int>& out, YamlFaults& faults
 void read_window(const YAML::Node& node, std::optional<std::pair<double, double>>& out, YamlFaults& faults) {
   std::vector<double> ends;
   if (!node.IsSequence() || node.size() != 2) return faults.add(node, "'window_s' must be [start, end]");
+  const std::size_t before = faults.messages().size();
   read_value(node, ends, finite(), "window_s", faults);
-  if (ends.size() != 2) return;
+  if (faults.messages().size() != before) return;
+  if (ends.size() != 2) return faults.add(node, "'window_s' must be [start, end]");
   if (ends[0] >= ends[1]) return faults.add(node, "'window_s' must start before it ends");
   out = {ends[0], ends[1]};
 }

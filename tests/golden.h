@@ -1,12 +1,14 @@
-/// Replays whose rounded figures lie in tests/golden: a change of behaviour shows as a diff and must be committed. To
-/// write them anew: STILLPOINT_WRITE_GOLDEN=1 build/release/tests/test_fusion --gtest_filter='Golden*', and
-/// test_pipeline.
+/// Rounded figures and texts that lie in tests/golden: a change of behaviour shows as a diff and must be committed. To
+/// write them anew: STILLPOINT_WRITE_GOLDEN=1 build/release/tests/test_fusion --gtest_filter='Golden*', and the same
+/// with test_calib_online, test_io, test_pipeline, test_simulation and test_sources.
 #pragma once
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <cstdint>
 #include <cstdlib>
 #include <fstream>
+#include <iterator>
 #include <sstream>
 #include <string>
 
@@ -31,16 +33,34 @@ struct GoldenTrace {
 /// A fault's time.
 inline bool within(double t_s, double from_s, double to_s) { return t_s >= from_s && t_s < to_s; }
 
-inline void check_golden(const std::string& name, const std::string& trace) {
-  const std::string path = in_source("tests/golden/") + name + ".txt";
-  if (std::getenv("STILLPOINT_WRITE_GOLDEN") != nullptr) {
-    std::ofstream(path) << trace;
-    GTEST_SKIP() << "LOUD: SKIPPED, wrote " << path;
-  }
+inline std::string golden_path(const std::string& name) { return in_source("tests/golden/") + name + ".txt"; }
+
+inline bool write_golden(const std::string& name, const std::string& text) {
+  if (std::getenv("STILLPOINT_WRITE_GOLDEN") == nullptr) return false;
+  std::ofstream(golden_path(name)) << text;
+  return true;
+}
+
+/// Words: every letter counts.
+inline void check_golden_text(const std::string& name, const std::string& text) {
+  if (write_golden(name, text)) GTEST_SKIP() << "LOUD: SKIPPED, wrote " << golden_path(name);
+  std::ifstream file(golden_path(name));
+  const std::string stored{std::istreambuf_iterator<char>(file), {}};
+  EXPECT_GT(stored.size(), 100U) << golden_path(name);
+  EXPECT_EQ(stored, text);
+}
+
+/// How far two numbers may differ: by one unit of the last digit, and by the rounding of another compiler.
+struct GoldenTolerance {
+  double absolute = 2e-6, relative = 0.0;
+};
+
+inline void check_golden(const std::string& name, const std::string& trace, const GoldenTolerance& tolerance = {}) {
+  const std::string path = golden_path(name);
+  if (write_golden(name, trace)) GTEST_SKIP() << "LOUD: SKIPPED, wrote " << path;
   std::ifstream file(path);
   ASSERT_TRUE(file) << path << " is absent";
   std::istringstream now(trace);
-  constexpr double kRounding = 2e-6;  // one unit of the last digit, and the rounding of another compiler
   std::string stored_line, now_line;
   int number = 0;
   while (std::getline(file, stored_line)) {
@@ -50,7 +70,8 @@ inline void check_golden(const std::string& name, const std::string& trace) {
     double x = 0.0, y = 0.0;
     while (a >> x) {
       ASSERT_TRUE(b >> y);
-      ASSERT_NEAR(x, y, kRounding) << path << ":" << number << "\nstored " << stored_line << "\nnow    " << now_line;
+      ASSERT_NEAR(x, y, tolerance.absolute + tolerance.relative * std::abs(x))
+          << path << ":" << number << "\nstored " << stored_line << "\nnow    " << now_line;
     }
     ASSERT_TRUE(a.eof() && !(b >> y) && b.eof())
         << path << ":" << number << ": what is no number, or more of them\nstored " << stored_line << "\nnow    "

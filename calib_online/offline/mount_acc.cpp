@@ -63,13 +63,14 @@ class AccFit {
       RestPose& pose = out_.poses[i];
       if (!pose.face) continue;
       const double stated_rad = angle_rad(params_.faces[0], *pose.face), seen_rad = angle_rad(up_[0], up_[i]);
+      const bool as_stated = std::abs(seen_rad - stated_rad) <= right_angle_gate_rad;
       if (std::sin(stated_rad) > 0.5) {
         const bool tipped = !alike(up_[0], up_[i]) && !alike(-up_[0], up_[i]);
-        pose.direction_only = std::abs(seen_rad - stated_rad) > right_angle_gate_rad;
+        pose.direction_only = !as_stated;
         two = two || tipped;
-        if (!tipped) pose.face.reset();
-      } else if (std::abs(seen_rad - stated_rad) > right_angle_gate_rad) {
-        pose.face.reset();
+        if (!tipped) pose = {};
+      } else if (!as_stated) {
+        pose = {};
       }
     }
     return two;

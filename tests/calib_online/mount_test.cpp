@@ -94,6 +94,18 @@ TEST(Mount, WhatThePosesDoNotShowIsNotKnown) {
   EXPECT_EQ(axis.mag.lack, MountLack::kNoGyroscope);
 }
 
+/// Laid down as at first where another face was stated: that rest is taken for what it is.
+TEST(Mount, ARestThatIsNotAsStatedIsRecognisedLikeAnyOther) {
+  MountParams stated;
+  stated.faces = {Vec3::UnitZ(), Vec3::UnitX(), Vec3::UnitY()};
+  const MountFit found = fit({kLevel, kFrontUp, kLevel}, {}, 23, {}, stated);
+  ASSERT_TRUE(found.acc.known());
+  EXPECT_GT(found.acc.covariance.diagonal().minCoeff(), 0.0);
+  EXPECT_LT(found.acc.covariance.diagonal().maxCoeff(), 0.01);
+  EXPECT_FALSE(found.acc.poses[2].stated);
+  EXPECT_EQ(*found.acc.poses[2].face, Vec3(Vec3::UnitZ()));
+}
+
 TEST(Mount, TurnsAboutTwoAxesLeaveAMirrorOpenAndThreeDoNot) {
   const MountFit two = fit({kLevel, kFrontUp, kLevel, kLeftUp, kLevel}, {}, 3);
   ASSERT_TRUE(two.gyr.known()) << name(two.gyr.lack);

@@ -4,50 +4,14 @@
 
 #include <cstring>
 
-#include "calib_online/rest_detector.h"
 #include "core/so3.h"
-#include "tests/calib_online/synthetic.h"
+#include "tests/calib_online/session.h"
 
 namespace stillpoint::calib {
 namespace {
 
-/// Rest in many attitudes with turns in between, as a hand would do it.
-struct Session {
-  test::Synthetic source;
-  RestDetector detector;
-  OnlineCalibrator calibrator;
-  std::vector<Window> windows;
-
-  Session(const test::SensorTruth& truth, unsigned seed, const OnlineCalibratorParams& params = {})
-      : source(truth, seed), calibrator(params, CalibrationSnapshot{}) {}
-
-  void turns(int count, unsigned seed) {
-    std::mt19937_64 random(seed);
-    std::normal_distribution<double> normal;
-    for (int k = 0; k < count; ++k) {
-      const auto take = [this](const RawSample& s) {
-        if (auto w = detector.push(s, calibrator.snapshot())) {
-          windows.push_back(*w);
-          calibrator.absorb(*w);
-        }
-      };
-      source.run(4.6, {}, take);
-      const Vec3 rate = 1.1 * Vec3(normal(random), normal(random), normal(random)).normalized();
-      test::Motion turn;
-      turn.rate_radps = [rate](double) { return rate; };
-      source.run(1.4, turn, take);
-    }
-  }
-};
-
-test::SensorTruth consumer_sensor() {
-  test::SensorTruth truth;
-  truth.H_acc << 1.012, 0.003, -0.002, 0.003, 0.991, 0.004, -0.002, 0.004, 1.004;
-  truth.b_acc = Vec3(0.21, -0.14, 0.3);
-  truth.H_gyr << 1.015, 0.006, -0.004, -0.007, 0.988, 0.009, 0.003, -0.008, 1.006;
-  truth.b_gyr = Vec3(0.006, -0.004, 0.005);
-  return truth;
-}
+using test::consumer_sensor;
+using test::Session;
 
 TEST(OnlineCalibrator, FindsAccelerometerAndGyroscopeFromRestAndTurns) {
   const test::SensorTruth truth = consumer_sensor();
@@ -111,10 +75,7 @@ TEST(OnlineCalibrator, RefusesAStateThatIsNotFinite) {
 TEST(OnlineCalibrator, OneDirectionIsNotObservableAndNeverWorseThanThePrior) {
   test::SensorTruth truth = consumer_sensor();
   Session session(truth, 8);
-  const auto take = [&](const RawSample& s) {
-    if (auto w = session.detector.push(s, session.calibrator.snapshot())) session.calibrator.absorb(*w);
-  };
-  session.source.run(120.0, {}, take);
+  session.live(120.0);
   const TriadCalibration& acc = session.calibrator.snapshot().acc;
   EXPECT_EQ(acc.status, CalibrationStatus::kNotObservable);
   EXPECT_GT(acc.norm_sd, 0.1);  // five sixths of the sphere are as unknown as before
