@@ -36,7 +36,7 @@ MODULES = {
     "fusion": (r"fusion/", ["test_fusion"]),
     "compensation": (COMPENSATION, ["test_pipeline", "test_core"]),
     "pipeline": (rf"(?!{COMPENSATION})pipeline/", ["test_pipeline", "test_threads", "test_allocations"]),
-    "io": (r"io/(?!dds_|config|source_config)", ["test_io", "test_simulation"]),
+    "io": (r"io/(?!dds_|config|source_config)", ["test_io", "test_simulation", "test_sources"]),
     "sources": (r"sources/|io/source_config", ["test_sources"]),
     "diagnosis": (r"diagnosis/", ["test_diagnosis"]),
 }

@@ -20,6 +20,7 @@ constexpr double kWorthLooking = 0.5;                     // of that, by one ide
 constexpr double kRemainder = 0.05;                       // of a large effect's gain is what its model leaves
 constexpr double kFurther = 60.0, kFurtherShare = 0.03;   // of the first term's gain
 constexpr double kOfTheBest = 0.5;                        // of its net gain: what follows it is another law
+constexpr double kAlike = 6.0;                            // nats: of laws as good as that the one with fewer numbers
 constexpr double kBetter = 3.0, kBetterThanNames = 50.0;  // nats over the engine's own answer, lengths taken off
 
 bool is_clock(const Found& f) { return f.kind == Kind::kTiming || f.kind == Kind::kConfiguration; }
@@ -73,18 +74,29 @@ bool may_be_stated(const Signals& s, const SensorSearch& search, const Found& la
   return !fails_elsewhere(held_out_by_regime(with, {with.found.size() - 1}));
 }
 
+/// The best that may be stated; of those that the recording hardly tells from it the one with the fewest numbers, which
+/// is the surer one on another motion. nullptr: none.
+const Term* choose(const Signals& s, const SensorSearch& search, const std::vector<Term>& terms) {
+  const Term* chosen = nullptr;
+  double least = terms.empty() ? 0.0 : kOfTheBest * terms.front().found.net_nats;
+  for (const Term& t : terms) {
+    if (t.found.net_nats < least) break;
+    if (chosen && t.found.columns.size() >= chosen->found.columns.size()) continue;
+    if (!may_be_stated(s, search, t.found)) continue;
+    if (!chosen) least = t.found.net_nats - kAlike;
+    chosen = &t;
+  }
+  return chosen;
+}
+
 /// Terms one after another, as long as each pays for itself.
 std::optional<Discovered> terms_beside(const Signals& s, LawSearch& laws, SensorSearch base, double least) {
   Discovered out{std::move(base), 0.0, 0.0};
   double first = 0.0;
   for (std::size_t round = 0; round < kMostTerms; ++round) {
     const std::vector<Term> terms = laws.next(out.search);
-    const auto another = std::find_if(terms.begin(), terms.end(), [&](const Term& t) {
-      return t.found.net_nats < kOfTheBest * terms.front().found.net_nats;
-    });
-    const auto chosen =
-        std::find_if(terms.begin(), another, [&](const Term& t) { return may_be_stated(s, out.search, t.found); });
-    if (chosen == another) break;
+    const Term* chosen = choose(s, out.search, terms);
+    if (!chosen) break;
     const Term& t = *chosen;
     const double gain = std::min(t.found.gain_nats, robust_nats(out.search, t.found));
     if (gain < (round == 0 ? least : std::max(kFurther, kFurtherShare * first))) break;

@@ -64,7 +64,9 @@ class Ideas {
 
   void of_vectors() {
     for (const auto& v : vectors_) {
-      if (v != own_) both(v), both("d(" + v + ")"), both("lag(" + v + ", {})", lags(kLongestOfMotion), "tau");
+      if (v != own_) both(v), add("d(" + v + ")");
+      add_matrix("d(" + v + ")");  // axis by axis of the reading itself it is a delay
+      both("lag(" + v + ", {})", lags(kLongestOfMotion), "tau");
       add_powers(v);
       for (const auto& c : components_) add_matrix(v + " * " + c);
       for (const auto& x : scalars_) {

@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "io/recording_stream.h"
 #include "io/yaml.h"
 #include "tests/scratch_folder.h"
 
@@ -172,6 +173,38 @@ TEST(Recording, EveryColumnIsWrittenAndReadBackInItsPlace) {
   EXPECT_EQ(back->ref_position_m, r.ref_position_m);
   EXPECT_EQ(back->ref_moving, r.ref_moving);
   EXPECT_EQ(back->user_columns, r.user_columns);
+}
+
+TEST(Recording, WhatIsWrittenRowByRowReadsBackWithWhatEachRowHolds) {
+  const test::ScratchFolder folder;
+  const std::string path = folder / "rows.csv";
+  const RawSample all{5, 0, {1, 2, 3}, {4, 5, 6}, {7, 8, 9}, 30.25, kAcc | kGyr | kMag | kTemp};
+  RawSample some = all;
+  some.t_ns = 10'000'005;
+  some.has = kGyr;
+  {
+    auto stream = RecordingStream::create(path, {{"sensor", "abc"}});
+    ASSERT_TRUE(stream) << stream.error().message;
+    ASSERT_TRUE(stream->append(all));
+    ASSERT_TRUE(stream->append(some));
+    EXPECT_EQ(stream->rows(), 2U);
+    ASSERT_TRUE(stream->flush());
+  }
+  const auto back = read_recording(path);
+  ASSERT_TRUE(back) << back.error().message;
+  EXPECT_EQ(back->header.at("sensor"), "abc");
+  ASSERT_EQ(back->size(), 2U);
+  for (const auto& [row, wanted] : {std::pair{std::size_t{0}, all}, {std::size_t{1}, some}}) {
+    const RawSample got = back->sample(row);
+    EXPECT_EQ(got.t_ns, wanted.t_ns);
+    EXPECT_EQ(got.has, wanted.has);
+    EXPECT_EQ(got.gyr_radps, wanted.gyr_radps);
+    if (wanted.holds(kAcc)) {
+      EXPECT_EQ(got.acc_mps2, wanted.acc_mps2);
+      EXPECT_EQ(got.mag_uT, wanted.mag_uT);
+      EXPECT_EQ(got.temp_degC, wanted.temp_degC);
+    }
+  }
 }
 
 }  // namespace

@@ -149,6 +149,13 @@ TEST(Laws, ALongerTextCostsMoreBits) {
   EXPECT_LT(complexity_bits(parsed("lag(I, 2)")), complexity_bits(parsed("lag(I, 2.345)")));
 }
 
+TEST(Laws, APointThatADriverIsToldFromIsNoChoice) {
+  for (const auto& [from, plain] : {std::pair{"T - 25", "T"}, {"V - 3.7", "V"}, {"norm(f) - 9.81", "norm(f)"}})
+    EXPECT_EQ(complexity_bits(parsed(std::string("I * (") + from + ")")),
+              complexity_bits(parsed(std::string("I * ") + plain)));
+  EXPECT_GT(complexity_bits(parsed("T - 24")), complexity_bits(parsed("T - 25")) + 5.0);
+}
+
 TEST(Laws, ANumberThatStandsTwiceIsSaidOnce) {
   EXPECT_LT(complexity_bits(parsed("step(I, 0.15626) * (I - 0.15626)")),
             complexity_bits(parsed("step(I, 0.15626) * (I - 0.15627)")) - 20.0);
