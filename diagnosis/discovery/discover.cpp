@@ -16,11 +16,14 @@ constexpr std::size_t kMostTerms = 3;
 // Nats before a law is spoken of: where the engine found nothing unknown, only a drift, or something without a name.
 // Clean recordings of field_open reach 74 in the scan without a drift, and 43 beside one.
 constexpr double kSpeaks = 300.0, kSpeaksOverDrift = 100.0, kSpeaksOfUnknown = 20.0;
-constexpr double kWorthLooking = 0.5;                     // of that, by one idea on few rows
-constexpr double kRemainder = 0.05;                       // of a large effect's gain is what its model leaves
-constexpr double kFurther = 60.0, kFurtherShare = 0.03;   // of the first term's gain
-constexpr double kOfTheBest = 0.5;                        // of its net gain: what follows it is another law
-constexpr double kAlike = 6.0;                            // nats: of laws as good as that the one with fewer numbers
+constexpr double kWorthLooking = 0.5;                    // of that, by one idea on few rows
+constexpr double kRemainder = 0.05;                      // of a large effect's gain is what its model leaves
+constexpr double kFurther = 60.0, kFurtherShare = 0.03;  // of the first term's gain
+constexpr double kOfTheBest = 0.5;                       // of its net gain: what follows it is another law
+constexpr double kMostOpen = 0.4;                        // deviation of all numbers of a law over their size
+// Of laws that fall short of the best one by no more than this share of its gain, or so many nats, the one with fewer
+// numbers: what six more of them gain in so little is the misfit of this motion.
+constexpr double kAlikeShare = 0.1, kAlikeLeast = 6.0, kAlikeMost = 40.0;
 constexpr double kBetter = 3.0, kBetterThanNames = 50.0;  // nats over the engine's own answer, lengths taken off
 
 bool is_clock(const Found& f) { return f.kind == Kind::kTiming || f.kind == Kind::kConfiguration; }
@@ -65,25 +68,35 @@ struct Discovered {
   double bits = 0.0, gain = 0.0;
 };
 
+/// Whether its numbers are known as a whole. A factor that hardly varies here - the field, gravity in one attitude -
+/// leaves a matrix open that fits all the same; in every other attitude it would be another law.
+bool is_determined(const SensorSearch& search, const Found& law) {
+  const Fit fit = fit_profile(search.beside_walk(), joined(search.explained(), law.columns));
+  const auto count = static_cast<Eigen::Index>(law.columns.size());
+  const double variance = fit.covariance.diagonal().tail(count).cwiseMax(0.0).sum();
+  return std::sqrt(variance) < kMostOpen * fit.theta.tail(count).norm();
+}
+
 /// What would not be stated must not stand in the place of what would.
 bool may_be_stated(const Signals& s, const SensorSearch& search, const Found& law) {
-  if (!varies(search, law)) return false;
+  if (!varies(search, law) || !is_determined(search, law)) return false;
   if (as_small_as_wandering(s, search, law) && !stands_beside_wandering(s, search, law)) return false;
   SensorSearch with = search;
   with.found.push_back(law);
   return !fails_elsewhere(held_out_by_regime(with, {with.found.size() - 1}));
 }
 
-/// The best that may be stated; of those that the recording hardly tells from it the one with the fewest numbers, which
-/// is the surer one on another motion. nullptr: none.
-const Term* choose(const Signals& s, const SensorSearch& search, const std::vector<Term>& terms) {
+/// The best that gains enough and may be stated; of those that the recording hardly tells from it the one with the
+/// fewest numbers, which is the surer one on another motion. nullptr: none.
+const Term* choose(const Signals& s, const SensorSearch& search, const std::vector<Term>& terms, double least_gain) {
   const Term* chosen = nullptr;
   double least = terms.empty() ? 0.0 : kOfTheBest * terms.front().found.net_nats;
   for (const Term& t : terms) {
     if (t.found.net_nats < least) break;
     if (chosen && t.found.columns.size() >= chosen->found.columns.size()) continue;
+    if (std::min(t.found.gain_nats, robust_nats(search, t.found)) < least_gain) continue;
     if (!may_be_stated(s, search, t.found)) continue;
-    if (!chosen) least = t.found.net_nats - kAlike;
+    if (!chosen) least = t.found.net_nats - std::clamp(kAlikeShare * t.found.gain_nats, kAlikeLeast, kAlikeMost);
     chosen = &t;
   }
   return chosen;
@@ -95,18 +108,16 @@ std::optional<Discovered> terms_beside(const Signals& s, LawSearch& laws, Sensor
   double first = 0.0;
   for (std::size_t round = 0; round < kMostTerms; ++round) {
     const std::vector<Term> terms = laws.next(out.search);
-    const Term* chosen = choose(s, out.search, terms);
+    const Term* chosen = choose(s, out.search, terms, round == 0 ? least : std::max(kFurther, kFurtherShare * first));
     if (!chosen) break;
     const Term& t = *chosen;
-    const double gain = std::min(t.found.gain_nats, robust_nats(out.search, t.found));
-    if (gain < (round == 0 ? least : std::max(kFurther, kFurtherShare * first))) break;
     SensorSearch with = out.search;
     for (Found& f : effects_of(t, with.sensor, laws.drivers())) {
       f.rivals.clear();
       for (const Term& r : terms) f.rivals.push_back({r.found.id, {}, r.found.gain_nats, r.found.net_nats});
       with.found.push_back(std::move(f));
     }
-    if (round == 0) first = gain;
+    if (round == 0) first = std::min(t.found.gain_nats, robust_nats(out.search, t.found));
     out.search = std::move(with);
     out.bits += t.bits;
     out.gain += t.found.gain_nats;
@@ -125,8 +136,11 @@ double least_gain(const SensorSearch& search, bool open, bool drifts) {
 void discover_in(const Signals& s, SensorSearch& sensor) {
   const auto any = [&](auto is) { return std::any_of(sensor.found.begin(), sensor.found.end(), is); };
   const bool open = any(is_open), drifts = !sensor.walk_is_given && Judge(sensor).walking();
-  LawSearch laws(s, sensor.sensor);
-  if (!open && !drifts && laws.most(sensor) < kWorthLooking * kSpeaks) return;
+  std::vector<double> lines_hz;
+  for (const Found& f : sensor.found)
+    if (f.shape_unit == "Hz" && f.offset.size() == 0) lines_hz.push_back(f.shape);
+  LawSearch laws(s, sensor.sensor, lines_hz);
+  if (!open && !drifts && lines_hz.empty() && laws.most(sensor) < kWorthLooking * kSpeaks) return;
   std::optional<Discovered> best;
   double most = worth(sensor, 0.0) + kBetter - kShareOfATable * gain_of_no_law(sensor);
   const auto consider = [&](const SensorSearch& base, double least, double margin) {

@@ -56,8 +56,13 @@ class Neighbours {
     length_s_ = drivers.t_s[drivers.t_s.size() - 1] - drivers.t_s[0];
     leaves_ = scalar_leaves(drivers);
     const auto tree = laws::parse(best.text(0, shape), signature_);
-    if (!tree || best.texts.size() != 1) return;
+    if (!tree) return;
     collect_factors(*tree, factors_);
+    may_grow_ = factors_.size() < kMostFactors;
+    if (best.texts.size() != 1) {
+      factors_.clear();
+      return;
+    }
     text_ = best.text(0, shape);
     vector_ = tree->vector;
   }
@@ -99,7 +104,7 @@ class Neighbours {
   }
 
   void further_factor() {
-    if (factors_.size() >= kMostFactors) return;
+    if (!may_grow_) return;
     for (const std::string& leaf : leaves_) {
       Idea idea{{}, {}, {}, {0.0}, best_.matrix};
       for (std::size_t part = 0; part < best_.texts.size(); ++part)
@@ -190,7 +195,7 @@ class Neighbours {
   std::vector<std::string> leaves_;
   std::vector<Factor> factors_;
   std::string text_;
-  bool vector_ = false;
+  bool vector_ = false, may_grow_ = false;
   std::vector<Idea> out_;
 };
 

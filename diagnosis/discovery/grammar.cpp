@@ -180,7 +180,9 @@ class Ideas {
 
 std::string Idea::text(std::size_t part, double shape) const {
   std::string out = texts[part];
-  const std::string number = fmt::format("{:.5g}", shape);
+  // A period is a number of many cycles: a small error in it adds up.
+  const std::string number =
+      shape_name.starts_with("period") ? fmt::format("{:.8g}", shape) : fmt::format("{:.5g}", shape);
   for (std::size_t at = out.find("{}"); at != std::string::npos; at = out.find("{}", at + number.size()))
     out.replace(at, 2, number);
   return out;
@@ -252,6 +254,23 @@ std::vector<Idea> wider_ideas(const laws::Columns& drivers) {
     if (x == "t") continue;
     for (const std::string& y : leaves) out.push_back({{lag_of(x) + " * " + y}, "tau", "s", tau, false, {}, 1});
     out.push_back({{x + " * step(t, {})"}, "at", "s", moments, false, {}, 1});
+  }
+  return out;
+}
+
+std::vector<Idea> line_ideas(const laws::Columns& drivers, std::span<const double> lines_hz) {
+  std::vector<Idea> out;
+  const auto add = [&out](std::vector<std::string> texts, double f_hz) {
+    out.push_back({std::move(texts), "period / 2 pi", "s", {1.0 / (2.0 * std::numbers::pi * f_hz)}, false});
+  };
+  for (const double f_hz : lines_hz) {
+    for (const std::string& x : scalar_factors(drivers))
+      if (x != "t") add({x + " * sin(t / {})", x + " * cos(t / {})"}, f_hz);
+    std::vector<std::string> in_world;
+    for (const char* axis : {"east", "north", "up"})
+      if (drivers.values.contains(axis))
+        for (const char* wave : {" * sin(t / {})", " * cos(t / {})"}) in_world.push_back(axis + std::string(wave));
+    if (!in_world.empty()) add(std::move(in_world), f_hz);
   }
   return out;
 }

@@ -1,5 +1,6 @@
 /// The expressions that are looked at: scalar and vector factors, functions of them, memory, events and couplings.
 #pragma once
+#include <span>
 #include <string>
 #include <vector>
 
@@ -26,6 +27,10 @@ struct Idea {
 /// Products of three of which one is a vector through a matrix, and products of two of which one has a memory: what
 /// shows nothing of itself in any single text of the first level, as its factors swing about zero.
 [[nodiscard]] std::vector<Idea> wider_ideas(const laws::Columns& drivers);
+
+/// A line at each of these frequencies whose amplitude follows a driver, as the ripple of a current does, or that
+/// stands in the world, as a magnet does that spins there.
+[[nodiscard]] std::vector<Idea> line_ideas(const laws::Columns& drivers, std::span<const double> lines_hz);
 
 /// A free function of each number that is recorded and of each axis of the vectors.
 [[nodiscard]] std::vector<Idea> table_ideas(const laws::Columns& drivers);

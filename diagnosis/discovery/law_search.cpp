@@ -40,9 +40,9 @@ struct LawSearch::Parts {
   const laws::Columns& full;
   Rows slow, few;
   laws::Signature signature;
-  std::vector<Idea> ideas, wider;
+  std::vector<Idea> ideas, wider, of_lines;
 
-  Parts(const Signals& signals, Sensor k)
+  Parts(const Signals& signals, Sensor k, std::span<const double> lines_hz)
       : s(signals),
         sensor(k),
         shared(std::make_shared<const laws::Columns>(drivers_of_rows(s))),
@@ -51,7 +51,8 @@ struct LawSearch::Parts {
         few(s, full, kFewRows),
         signature(signature_of(full)),
         ideas(first_ideas(sensor, slow.drivers)),
-        wider(wider_ideas(slow.drivers)) {}
+        wider(wider_ideas(slow.drivers)),
+        of_lines(line_ideas(full, lines_hz)) {}
 
   struct Value {
     Eigen::MatrixXd x;
@@ -116,7 +117,8 @@ struct LawSearch::Parts {
   }
 };
 
-LawSearch::LawSearch(const Signals& s, Sensor sensor) : parts_(std::make_unique<Parts>(s, sensor)) {}
+LawSearch::LawSearch(const Signals& s, Sensor sensor, std::span<const double> lines_hz)
+    : parts_(std::make_unique<Parts>(s, sensor, lines_hz)) {}
 LawSearch::~LawSearch() = default;
 const std::shared_ptr<const laws::Columns>& LawSearch::drivers() const { return parts_->shared; }
 
@@ -202,6 +204,7 @@ class LawSearch::Round {
     for (const Look& l : p_.best(p_.ideas, 0, kShort, p_.slow, thin_.all)) judge(p_.ideas[l.idea], l.shape);
     const Thin thin(p_.s, base_, p_.few.factor, judge_.walking());
     for (const Look& l : p_.best(p_.wider, 0, kShort, p_.few, thin.without_null())) judge(p_.wider[l.idea], l.shape);
+    for (const Idea& idea : p_.of_lines) judge(idea, idea.shapes.front());  // which thinned rows may not hold
     refine_best();
   }
 

@@ -2,6 +2,7 @@
 /// further factors on the best, each judged with the noise estimated beside it and a charge for its length.
 #pragma once
 #include <memory>
+#include <span>
 
 #include "diagnosis/discovery/term.h"
 
@@ -9,7 +10,8 @@ namespace stillpoint::diag {
 
 class LawSearch {
  public:
-  LawSearch(const Signals& s, Sensor sensor);
+  /// `lines_hz`: frequencies that the sensor's residual has a line at.
+  LawSearch(const Signals& s, Sensor sensor, std::span<const double> lines_hz);
   ~LawSearch();
   LawSearch(const LawSearch&) = delete;
   LawSearch& operator=(const LawSearch&) = delete;

@@ -112,17 +112,23 @@ bool possible(const Signals& s, const SensorSearch& search, const Found& law) {
     const Eigen::Index last = fit.theta.size() - 1;
     return law.timing[1] > 2.0 * std::sqrt(std::max(fit.covariance(last, last), 0.0));
   }
+  const auto count = static_cast<Eigen::Index>(law.columns.size());
+  const auto fitted = [&] { return fit_profile(search.beside_walk(), joined(search.explained(), law.columns)); };
+  if (law.names == std::vector<std::string>{"share"}) {  // of something that acts as a whole or not at all
+    const Fit fit = fitted();
+    const double share = fit.theta.tail(count)[0],
+                 sd = std::sqrt(std::max(fit.covariance.diagonal().tail(count)[0], 0.0));
+    return share > 2.0 * sd && share < 2.0;
+  }
   const sim::EffectInfo* info = law.kind == Kind::kNamed ? sim::find_effect(law.id) : nullptr;
   if (info == nullptr || law.offset.size() || law.columns.empty()) return true;
   double most = 0.0;
   for (const auto& p : info->parameters)
     if (p.symbol == "k" || p.symbol == "S" || p.symbol == "G") most = std::max(most, p.typical_high);
   if (most == 0.0) return true;
-  const Target t = search.beside_walk();
-  const Fit fit = fit_profile(t, joined(search.explained(), law.columns));
-  const auto p = static_cast<Eigen::Index>(law.columns.size());
-  const Eigen::VectorXd sd = fit.covariance.diagonal().tail(p).cwiseMax(0.0).cwiseSqrt();
-  return ((fit.theta.tail(p).cwiseAbs() - 2.0 * sd).array() < kBeyondUsual * most).all();
+  const Fit fit = fitted();
+  const Eigen::VectorXd sd = fit.covariance.diagonal().tail(count).cwiseMax(0.0).cwiseSqrt();
+  return ((fit.theta.tail(count).cwiseAbs() - 2.0 * sd).array() < kBeyondUsual * most).all();
 }
 
 bool pays(const SensorSearch& search, const Found& best) {
