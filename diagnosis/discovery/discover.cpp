@@ -1,5 +1,7 @@
 #include "diagnosis/discovery/discover.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 
@@ -7,7 +9,11 @@
 #include "diagnosis/discovery/law_words.h"
 #include "diagnosis/reference/evidence.h"
 #include "diagnosis/reference/judge.h"
+#include "diagnosis/reference/lines.h"
+#include "diagnosis/reference/refine.h"
+#include "diagnosis/reference/separable.h"
 #include "diagnosis/reference/wandering_reference.h"
+#include "simulation/effect_catalogue.h"
 
 namespace stillpoint::diag {
 namespace {
@@ -79,11 +85,38 @@ bool is_determined(const SensorSearch& search, const Found& law) {
 
 /// What would not be stated must not stand in the place of what would.
 bool may_be_stated(const Signals& s, const SensorSearch& search, const Found& law) {
-  if (!varies(search, law) || !is_determined(search, law)) return false;
+  if (!is_separable(s, search.sensor, law.columns) || !varies(search, law) || !is_determined(search, law)) return false;
   if (as_small_as_wandering(s, search, law) && !stands_beside_wandering(s, search, law)) return false;
   SensorSearch with = search;
   with.found.push_back(law);
   return !fails_elsewhere(held_out_by_regime(with, {with.found.size() - 1}));
+}
+
+/// The name that the catalogue has for what the term says; empty: none.
+std::string name_of(const SensorSearch& search, const Term& t) {
+  static constexpr std::pair<std::string_view, std::string_view> kForms[] = {
+      {"(T - 25)", "temp_lin"}, {"(V - 3.7)", "volt"}, {"I", "current"}};
+  if (t.idea.texts.size() != 1 || t.idea.matrix || !t.idea.points.empty()) return {};
+  for (const auto& [text, name] : kForms) {
+    const std::string id = fmt::format("{}_{}", kSensorName[search.sensor], name);
+    if (t.idea.texts.front() == text && sim::find_effect(id) != nullptr) return id;
+  }
+  return {};
+}
+
+const Law* law_of(const SensorSearch& search, const std::string& id) {
+  const auto at = std::find_if(search.laws.begin(), search.laws.end(), [&id](const Law& l) { return l.id == id; });
+  return at == search.laws.end() ? nullptr : &*at;
+}
+
+std::vector<Found> effects_of(const SensorSearch& search, const Term& t, const LawSearch& laws) {
+  if (const Law* law = law_of(search, name_of(search, t))) {
+    Found f = found_from(*law, {}, law->columns(0.0));
+    f.gain_nats = t.found.gain_nats;
+    f.net_nats = t.found.net_nats;
+    return {std::move(f)};
+  }
+  return effects_of(t, search.sensor, laws.drivers());
 }
 
 /// The best that gains enough and may be stated; of those that the recording hardly tells from it the one with the
@@ -112,7 +145,7 @@ std::optional<Discovered> terms_beside(const Signals& s, LawSearch& laws, Sensor
     if (!chosen) break;
     const Term& t = *chosen;
     SensorSearch with = out.search;
-    for (Found& f : effects_of(t, with.sensor, laws.drivers())) {
+    for (Found& f : effects_of(with, t, laws)) {
       f.rivals.clear();
       for (const Term& r : terms) f.rivals.push_back({r.found.id, {}, r.found.gain_nats, r.found.net_nats});
       with.found.push_back(std::move(f));
@@ -133,12 +166,20 @@ double least_gain(const SensorSearch& search, bool open, bool drifts) {
   return std::max(drifts ? kSpeaksOverDrift : kSpeaks, kRemainder * search.first_gain);
 }
 
+/// Of the lines that were found, and of one that stands in the world.
+std::vector<double> frequencies(const Signals& s, const SensorSearch& sensor) {
+  std::vector<double> out;
+  for (const Found& f : sensor.found)
+    if (f.shape_unit == "Hz" && f.offset.size() == 0) out.push_back(f.shape);
+  if (sensor.sensor != kMag) return out;
+  if (const auto f_hz = line_in_world(s, without_some(sensor, is_open))) out.push_back(*f_hz);
+  return out;
+}
+
 void discover_in(const Signals& s, SensorSearch& sensor) {
   const auto any = [&](auto is) { return std::any_of(sensor.found.begin(), sensor.found.end(), is); };
   const bool open = any(is_open), drifts = !sensor.walk_is_given && Judge(sensor).walking();
-  std::vector<double> lines_hz;
-  for (const Found& f : sensor.found)
-    if (f.shape_unit == "Hz" && f.offset.size() == 0) lines_hz.push_back(f.shape);
+  const std::vector<double> lines_hz = frequencies(s, sensor);
   LawSearch laws(s, sensor.sensor, lines_hz);
   if (!open && !drifts && lines_hz.empty() && laws.most(sensor) < kWorthLooking * kSpeaks) return;
   std::optional<Discovered> best;

@@ -69,6 +69,42 @@ Found flip(const Target& t) {
   return f;
 }
 
+double bin_width_Hz(const Series3& x, double step_s) { return 1.0 / (static_cast<double>(x.rows()) * step_s); }
+
+struct Peak {
+  double frequency_Hz = 0.0, over_background = 0.0;
+};
+
+/// The sharpest line, if there is one.
+std::optional<Peak> sharpest(const Series3& left, const Series& t_s, double step_s) {
+  const Series power = over_background(left);
+  const double bin_Hz = bin_width_Hz(left, step_s);
+  const auto lowest = static_cast<Eigen::Index>(std::ceil(kLowest_Hz / bin_Hz));
+  if (power.size() < lowest + kBand) return std::nullopt;
+  Eigen::Index at = 0;
+  if (power.tail(power.size() - lowest).maxCoeff(&at) < kLeastOverMean) return std::nullopt;
+  at += lowest;
+  // A resonance or the motion itself is broad; a line is not.
+  const Eigen::Index near = std::max<Eigen::Index>(at - 12, 0), far = std::min(at + 12, power.size() - 1);
+  std::vector<double> around(power.data() + near, power.data() + far + 1);
+  std::nth_element(around.begin(), around.begin() + static_cast<std::ptrdiff_t>(around.size() / 2), around.end());
+  if (power[at] < 0.3 * kLeastOverMean * around[around.size() / 2]) return std::nullopt;
+  return Peak{refined(left, t_s, static_cast<double>(at) * bin_Hz, bin_Hz, 0.5 / step_s), power[at]};
+}
+
+struct Unexplained {
+  Target target;  ///< of white noise
+  Series3 left;   ///< 0 where a row is absent
+};
+
+Unexplained unexplained(const SensorSearch& search) {
+  Target plain = search.target;
+  plain.layout.order = 0;
+  Series3 left = fit_with(plain, search.explained(), NoiseModel(plain.layout, plain.residual), {}).leftover;
+  for (int axis = 0; axis < 3; ++axis) left.col(axis).array() *= plain.layout.present;
+  return {std::move(plain), std::move(left)};
+}
+
 /// One phase for all axes where that explains as much, sine and cosine of each axis else.
 Found line(const Target& t, const Series& t_s, double frequency_Hz, const Eigen::Matrix<double, 3, 2>& amplitude,
            double nats_of_own_phases) {
@@ -101,26 +137,23 @@ Found line(const Target& t, const Series& t_s, double frequency_Hz, const Eigen:
 
 }  // namespace
 
+std::optional<double> line_in_world(const Signals& s, const SensorSearch& search) {
+  if (s.world_axis[0].rows() != s.n) return std::nullopt;
+  const Unexplained body = unexplained(search);
+  Series3 world(s.n, 3);
+  for (int axis = 0; axis < 3; ++axis)
+    world.col(axis) = body.left.cwiseProduct(s.world_axis[static_cast<std::size_t>(axis)]).rowwise().sum();
+  const auto peak = sharpest(world, search.t_s, body.target.rows.step_s);
+  return peak ? std::optional(peak->frequency_Hz) : std::nullopt;
+}
+
 std::optional<Found> line_in(const Signals& s, const SensorSearch& search) {
-  Target plain = search.target;
-  plain.layout.order = 0;
-  Series3 left = fit_with(plain, search.explained(), NoiseModel(plain.layout, plain.residual), {}).leftover;
-  for (int axis = 0; axis < 3; ++axis) left.col(axis).array() *= plain.layout.present;
-  const Series power = over_background(left);
-  const double bin_Hz = 1.0 / (static_cast<double>(left.rows()) * plain.rows.step_s);
-  const auto lowest = static_cast<Eigen::Index>(std::ceil(kLowest_Hz / bin_Hz));
-  if (power.size() < lowest + kBand) return std::nullopt;
-  Eigen::Index at = 0;
-  if (power.tail(power.size() - lowest).maxCoeff(&at) < kLeastOverMean) return std::nullopt;
-  at += lowest;
-  // A resonance or the motion itself is broad; a line is not.
-  const Eigen::Index near = std::max<Eigen::Index>(at - 12, 0), far = std::min(at + 12, power.size() - 1);
-  std::vector<double> around(power.data() + near, power.data() + far + 1);
-  std::nth_element(around.begin(), around.begin() + static_cast<std::ptrdiff_t>(around.size() / 2), around.end());
-  if (power[at] < 0.3 * kLeastOverMean * around[around.size() / 2]) return std::nullopt;
+  auto [plain, left] = unexplained(search);
+  const auto peak = sharpest(left, search.t_s, plain.rows.step_s);
+  if (!peak) return std::nullopt;
   Found f;
-  const double half_rate_Hz = 0.5 / plain.rows.step_s;
-  double frequency_Hz = refined(left, search.t_s, static_cast<double>(at) * bin_Hz, bin_Hz, half_rate_Hz);
+  const double bin_Hz = bin_width_Hz(left, plain.rows.step_s), half_rate_Hz = 0.5 / plain.rows.step_s;
+  double frequency_Hz = peak->frequency_Hz;
   const Window window = stretch_of_line(left, plain.layout, search.t_s, frequency_Hz, plain.rows.step_s);
   if (window.local) {
     left.topRows(window.begin).setZero(), left.bottomRows(left.rows() - window.end).setZero();
@@ -134,11 +167,11 @@ std::optional<Found> line_in(const Signals& s, const SensorSearch& search) {
     const auto amplitude = amplitudes(left, search.t_s, frequency_Hz);
     const Eigen::JacobiSVD<Eigen::MatrixXd> svd(amplitude);
     const double strong = svd.singularValues()[0], weak = svd.singularValues()[1];
-    const double nats = 0.5 * power[at] * weak * weak / (strong * strong);
+    const double nats = 0.5 * peak->over_background * weak * weak / (strong * strong);
     f = line(plain, search.t_s, frequency_Hz, amplitude, nats);
     const double lasts_s =
         window.local ? static_cast<double>(window.end - window.begin) * plain.rows.step_s : plain.duration_s;
-    f.shape_sd = std::sqrt(12.0) / (2.0 * std::numbers::pi * lasts_s * std::sqrt(power[at]));
+    f.shape_sd = std::sqrt(12.0) / (2.0 * std::numbers::pi * lasts_s * std::sqrt(peak->over_background));
     f.window = window;
     f.columns = in_window(std::move(f.columns), window);
   }

@@ -12,4 +12,7 @@ namespace stillpoint::diag {
 /// left to the caller.
 [[nodiscard]] std::optional<Found> line_in(const Signals& s, const SensorSearch& search);
 
+/// Frequency of a line that is sharp in the axes of the world, where the motion does not smear it; needs attitudes.
+[[nodiscard]] std::optional<double> line_in_world(const Signals& s, const SensorSearch& search);
+
 }  // namespace stillpoint::diag

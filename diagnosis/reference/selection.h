@@ -41,7 +41,7 @@ struct SensorSearch {
   Sensor sensor = kAcc;
   Target target;  ///< residual: timing offsets already subtracted; without a walk
   std::vector<Law> laws, unknown;
-  std::vector<std::string> deleted;  ///< timing laws that are not in the library this time
+  std::vector<std::string> deleted;  ///< names that are not in the library this time
   bool delays_in_windows = true;     ///< false: the latency of all sensors varies, which is no delay of this one
   std::vector<Found> found;
   std::vector<Ranked> ranking;  ///< of the first round

@@ -17,21 +17,23 @@ Eigen::MatrixXd every(const Eigen::MatrixXd& x, Eigen::Index step) {
 
 }  // namespace
 
-void drop_inseparable(const Signals& s, Sensor sensor, std::vector<Law>& laws) {
-  if (s.exact_reference || !s.present[sensor]) return;
+bool is_separable(const Signals& s, Sensor sensor, const Columns& columns) {
+  if (s.exact_reference || !s.present[sensor]) return true;
   const Eigen::Index step = std::max<Eigen::Index>(1, s.n / kRows);
   const Eigen::MatrixXd vector = every(s.vector[sensor], step);
   Eigen::MatrixXd spanned(vector.rows(), 4);
   spanned << Eigen::VectorXd::Ones(vector.rows()), vector;
   const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> nuisance(spanned);
-  const auto stands_alone = [&](const Column& column) {
+  return std::any_of(columns.begin(), columns.end(), [&](const Column& column) {
     const Eigen::MatrixXd x = every(column.x, step);
     return (x - spanned * nuisance.solve(x)).norm() > kLeastOwnShare * x.norm();
-  };
+  });
+}
+
+void drop_inseparable(const Signals& s, Sensor sensor, std::vector<Law>& laws) {
   std::erase_if(laws, [&](const Law& law) {
     if (law.kind == Kind::kTiming || law.extent == Extent::kStep) return false;
-    const Columns columns = law.columns(law.shapes.front());
-    return std::none_of(columns.begin(), columns.end(), stands_alone);
+    return !is_separable(s, sensor, law.columns(law.shapes.front()));
   });
 }
 

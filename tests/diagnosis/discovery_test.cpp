@@ -109,6 +109,48 @@ double left_on_another_motion(const sim::SimulationConfig& truth, Of sensor = Of
   return apart(improved, truth, 17, sensor) / apart(plain, truth, 17, sensor);
 }
 
+/// Ripple of a motor's current: a line of which the size is the current's.
+TEST(Discovery, ALineThatFollowsTheCurrentIsALawOfIt) {
+  EXPECT_LT(
+      left_on_another_motion(
+          with_law("  - {effect: law, sensor: mag, law: \"I * sin(t / 0.0115)\", k: [1.0, -0.4, 0.3]}"), Of::kMag),
+      0.2);
+}
+
+/// In the body its line is smeared by the motion.
+TEST(Discovery, AMagnetThatSpinsInTheWorldIsALawOfTheWorldsAxes) {
+  EXPECT_LT(left_on_another_motion(with_law("  - {effect: law, sensor: mag, law: \"east * sin(t / 0.0206)\", k: 2.0}\n"
+                                            "  - {effect: law, sensor: mag, law: \"north * cos(t / 0.0206)\", k: 2.0}"),
+                                   Of::kMag),
+            0.3);
+}
+
+/// Currents that a turning field drives in a conductor nearby.
+TEST(Discovery, TheRateOfTheReadingThroughAMatrixIsALaw) {
+  EXPECT_LT(
+      left_on_another_motion(with_law("  - {effect: law, sensor: mag, law: \"d(m)\", matrix: [[-0.01, 0.02, 0.03], "
+                                      "[0.01, -0.02, 0], [0.02, 0.01, 0.01]]}"),
+                             Of::kMag),
+      0.2);
+}
+
+/// A temperature that has risen within seconds is a constant from then on, and beside a camera that is a wrong bias.
+TEST(Discovery, WhatIsNearlyAConstantBesideACameraIsNoLaw) {
+  sim::SimulationConfig config = with_law("  - {effect: law, sensor: gyr, law: \"d(T)\", k: [-0.02, -0.001, -0.013]}");
+  config.rate_hz = 100;
+  config.motion->kind = "boat";
+  config.motion->duration_s = 40;
+  config.reference.kind = "mocap";
+  config.environment.temperature.kind = "activity";
+  config.environment.temperature.rise_K = 30;
+  config.environment.temperature.tau_s = 2;
+  const io::Recording recording = recording_of(config, 3);
+  config.effects.clear();
+  const Answer answer = diagnose(recording, config);
+  ASSERT_EQ(answer.effects.size(), 1U) << answer.diagnosis.summary;
+  EXPECT_EQ(sim::expression_of(answer.effects.front()), "d(T)");
+}
+
 /// Its largest swing looks like a delay of all sensors that comes and goes.
 TEST(Discovery, ALatencyThatSwingsIsALawAndNoDelayForAWhile) {
   sim::SimulationConfig config = with_law(
