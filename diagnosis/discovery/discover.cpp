@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "diagnosis/discovery/drivers.h"
 #include "diagnosis/discovery/law_search.h"
 #include "diagnosis/discovery/law_words.h"
 #include "diagnosis/reference/evidence.h"
@@ -119,6 +120,13 @@ std::vector<Found> effects_of(const SensorSearch& search, const Term& t, const L
   return effects_of(t, search.sensor, laws.drivers());
 }
 
+/// The rate of the reading itself beside a delay or filter of it: the two would share one cause.
+bool is_a_delay_again(const SensorSearch& search, const Term& t) {
+  const bool timed =
+      std::any_of(search.found.begin(), search.found.end(), [](const Found& f) { return f.kind == Kind::kTiming; });
+  return timed && t.idea.texts.front() == fmt::format("d({})", own_vector(search.sensor));
+}
+
 /// The best that gains enough and may be stated; of those that the recording hardly tells from it the one with the
 /// fewest numbers, which is the surer one on another motion. nullptr: none.
 const Term* choose(const Signals& s, const SensorSearch& search, const std::vector<Term>& terms, double least_gain) {
@@ -126,6 +134,7 @@ const Term* choose(const Signals& s, const SensorSearch& search, const std::vect
   double least = terms.empty() ? 0.0 : kOfTheBest * terms.front().found.net_nats;
   for (const Term& t : terms) {
     if (t.found.net_nats < least) break;
+    if (is_a_delay_again(search, t)) continue;
     if (chosen && t.found.columns.size() >= chosen->found.columns.size()) continue;
     if (std::min(t.found.gain_nats, robust_nats(search, t.found)) < least_gain) continue;
     if (!may_be_stated(s, search, t.found)) continue;

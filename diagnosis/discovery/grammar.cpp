@@ -17,6 +17,7 @@ constexpr double kFirstEvent_s = 3.0;
 constexpr std::array<double, 5> kShares{0.15, 0.35, 0.5, 0.65, 0.85};
 constexpr double kLongestOfMotion = 0.15;  // time constant, of the recording: a longer memory of what swings is a trend
 constexpr std::array<double, 3> kWiderLags_s{0.5, 1.6, 5.0};  // refined where they are of use
+constexpr double kOfALine_s = 0.1;                            // period / 2 pi below it: more than a cycle a second
 constexpr int kMostCycles = 40;                               // of a periodic function over the range of its driver
 
 class Ideas {
@@ -180,9 +181,9 @@ class Ideas {
 
 std::string Idea::text(std::size_t part, double shape) const {
   std::string out = texts[part];
-  // A period is a number of many cycles: a small error in it adds up.
-  const std::string number =
-      shape_name.starts_with("period") ? fmt::format("{:.8g}", shape) : fmt::format("{:.5g}", shape);
+  // A small error of a line's period adds up over its many cycles.
+  const bool of_a_line = shape_unit == "s" && shape < kOfALine_s;
+  const std::string number = of_a_line ? fmt::format("{:.8g}", shape) : fmt::format("{:.5g}", shape);
   for (std::size_t at = out.find("{}"); at != std::string::npos; at = out.find("{}", at + number.size()))
     out.replace(at, 2, number);
   return out;
