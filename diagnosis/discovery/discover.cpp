@@ -11,10 +11,8 @@
 #include "diagnosis/reference/evidence.h"
 #include "diagnosis/reference/judge.h"
 #include "diagnosis/reference/lines.h"
-#include "diagnosis/reference/refine.h"
 #include "diagnosis/reference/separable.h"
 #include "diagnosis/reference/wandering_reference.h"
-#include "simulation/effect_catalogue.h"
 
 namespace stillpoint::diag {
 namespace {
@@ -93,33 +91,6 @@ bool may_be_stated(const Signals& s, const SensorSearch& search, const Found& la
   return !fails_elsewhere(held_out_by_regime(with, {with.found.size() - 1}));
 }
 
-/// The name that the catalogue has for what the term says; empty: none.
-std::string name_of(const SensorSearch& search, const Term& t) {
-  static constexpr std::pair<std::string_view, std::string_view> kForms[] = {
-      {"(T - 25)", "temp_lin"}, {"(V - 3.7)", "volt"}, {"I", "current"}};
-  if (t.idea.texts.size() != 1 || t.idea.matrix || !t.idea.points.empty()) return {};
-  for (const auto& [text, name] : kForms) {
-    const std::string id = fmt::format("{}_{}", kSensorName[search.sensor], name);
-    if (t.idea.texts.front() == text && sim::find_effect(id) != nullptr) return id;
-  }
-  return {};
-}
-
-const Law* law_of(const SensorSearch& search, const std::string& id) {
-  const auto at = std::find_if(search.laws.begin(), search.laws.end(), [&id](const Law& l) { return l.id == id; });
-  return at == search.laws.end() ? nullptr : &*at;
-}
-
-std::vector<Found> effects_of(const SensorSearch& search, const Term& t, const LawSearch& laws) {
-  if (const Law* law = law_of(search, name_of(search, t))) {
-    Found f = found_from(*law, {}, law->columns(0.0));
-    f.gain_nats = t.found.gain_nats;
-    f.net_nats = t.found.net_nats;
-    return {std::move(f)};
-  }
-  return effects_of(t, search.sensor, laws.drivers());
-}
-
 /// The rate of the reading itself beside a delay or filter of it: the two would share one cause.
 bool is_a_delay_again(const SensorSearch& search, const Term& t) {
   const bool timed =
@@ -154,7 +125,7 @@ std::optional<Discovered> terms_beside(const Signals& s, LawSearch& laws, Sensor
     if (!chosen) break;
     const Term& t = *chosen;
     SensorSearch with = out.search;
-    for (Found& f : effects_of(with, t, laws)) {
+    for (Found& f : effects_of(t, with.sensor, laws.drivers())) {
       f.rivals.clear();
       for (const Term& r : terms) f.rivals.push_back({r.found.id, {}, r.found.gain_nats, r.found.net_nats});
       with.found.push_back(std::move(f));
