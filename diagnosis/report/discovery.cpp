@@ -20,8 +20,10 @@ std::string why_not(const WeighedLaw& law, const WeighedLaw& stated) {
   if (law.text == stated.text) return "<b>stated</b>";
   const char* length = law.bits < stated.bits ? "shorter" : law.bits > stated.bits ? "longer" : "as long";
   const double less = stated.gain_nats - law.gain_nats;
-  return less > 0.0 ? fmt::format("{}; explains {:.0f} nats less", length, less)
-                    : fmt::format("{}; explains {:.0f} nats more, which do not pay for it", length, -less);
+  if (less > 0.0) return fmt::format("{}; explains {:.0f} nats less", length, less);
+  return fmt::format("{}; explains {:.0f} nats more, {}", length, -less,
+                     law.net_nats > stated.net_nats ? "by more numbers, or by such as are open or fail elsewhere"
+                                                    : "which do not pay for it");
 }
 
 std::string weighed_table(const Finding& f, const std::string& stated_text, std::size_t k) {
@@ -32,8 +34,9 @@ std::string weighed_table(const Finding& f, const std::string& stated_text, std:
       "<h3>What was weighed against it</h3><p class=\"how\">A longer text and more coefficients have to pay for "
       "themselves. Gain: log-likelihood over the model without the law.</p><table><tr><th>law</th><th "
       "class=\"n\">length, bits</th><th class=\"n\">gain, nats</th><th class=\"n\">after its price</th><th></th></tr>";
-  for (std::size_t i = 0; i < std::min(kMostWeighed, f.weighed.size()); ++i) {
+  for (std::size_t i = 0; i < f.weighed.size(); ++i) {
     const WeighedLaw& w = f.weighed[i];
+    if (i >= kMostWeighed && w.text != stated_text) continue;
     s += fmt::format(
         "<tr><td><code>{}</code></td><td class=\"n\">{:.0f}</td><td class=\"n\">{:.0f}</td><td "
         "class=\"n\">{:.0f}</td><td>{}</td></tr>",

@@ -76,8 +76,10 @@ TEST(Report, ShowsWhatADiscoveredLawWasWeighedAgainst) {
   Diagnosis d = example();
   Finding& f = d.findings[0];
   f.effect = "unknown:norm(w) * (T - 25)";
-  f.weighed = {
-      {"norm(w) * (T - 25)", 31, 512, 480}, {"norm(w)", 12, 95, 80}, {"norm(w) * (T - 25) * f_x", 44, 515, 470}};
+  f.weighed = {{"norm(w) * (T - 25)", 31, 512, 480},
+               {"norm(w)", 12, 95, 80},
+               {"norm(w) * (T - 25) * f_x", 44, 515, 470},
+               {"m * f", 20, 530, 500}};
   f.figures.against_each = {{"T, degC", {20, 30}, {1, 2}, {0, 0}}};
   const auto html = report_html(d, {.recording = "",
                                     .simulation = "",
@@ -85,6 +87,7 @@ TEST(Report, ShowsWhatADiscoveredLawWasWeighedAgainst) {
                                     .blocks_to_paste = "",
                                     .code = {{"law_1.py", "def law_1(t, w, T): return a < b"}}});
   for (const char* text : {"shorter; explains 417 nats less", "longer; explains 3 nats more, which do not pay for it",
+                           "shorter; explains 18 nats more, by more numbers, or by such as are open or fail elsewhere",
                            "<b>stated</b>", "heating of the drive loop", "id=\"each-0-0\"", "id=\"weighed-0\"",
                            "\"id\":\"weighed-0\"", "T, degC", "law_1.py", "return a &lt; b"})
     EXPECT_THAT(html, HasSubstr(text));
