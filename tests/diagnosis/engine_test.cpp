@@ -251,5 +251,14 @@ TEST(Summary, JsonHoldsTheContractsKeys) {
   EXPECT_THAT(text, testing::Not(testing::HasSubstr("nan")));
 }
 
+/// Heel strikes that fifty positions a second do not hold leave a residual of the other sign than a clipped one.
+TEST(Engine, NothingIsSaturatedByLessThanNothing) {
+  sim::SimulationConfig walking = baseline("exact", 60.0);
+  walking.motion->kind = "walking";
+  for (const std::uint64_t seed : {1U, 2U, 3U})
+    EXPECT_THAT(names(diagnose(record(walking, "", {}, seed), walking)), testing::Not(testing::Contains("acc_sat")))
+        << seed;
+}
+
 }  // namespace
 }  // namespace stillpoint::diag
