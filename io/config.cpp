@@ -175,9 +175,7 @@ void read_value(const YAML::Node& node, pipeline::WorldFrame& out, const Range&,
 void read_value(const YAML::Node& node, std::optional<double>& out, const Range& range, const std::string& key,
                 YamlFaults& faults) {
   double value = 0.0;
-  const std::size_t before = faults.messages().size();
-  read_value(node, value, range, key, faults);
-  if (faults.messages().size() == before) out = value;
+  if (reads(node, value, range, key, faults)) out = value;
 }
 
 void read_value(const YAML::Node& node, std::vector<sim::EffectConfig>& out, const Range&, const std::string& key,

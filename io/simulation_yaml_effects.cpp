@@ -29,9 +29,7 @@ void read_axes(const YAML::Node& node, std::vector<int>& out, YamlFaults& faults
 void read_window(const YAML::Node& node, std::optional<std::pair<double, double>>& out, YamlFaults& faults) {
   std::vector<double> ends;
   if (!node.IsSequence() || node.size() != 2) return faults.add(node, "'window_s' must be [start, end]");
-  const std::size_t before = faults.messages().size();
-  read_value(node, ends, finite(), "window_s", faults);
-  if (faults.messages().size() != before) return;
+  if (!reads(node, ends, finite(), "window_s", faults)) return;
   if (ends.size() != 2) return faults.add(node, "'window_s' must be [start, end]");
   if (ends[0] >= ends[1]) return faults.add(node, "'window_s' must start before it ends");
   out = {ends[0], ends[1]};
@@ -39,9 +37,7 @@ void read_window(const YAML::Node& node, std::optional<std::pair<double, double>
 
 void read_parameter(const YAML::Node& node, const sim::EffectParameter& p, EffectConfig& out, YamlFaults& faults) {
   std::vector<double> values;
-  const std::size_t before = faults.messages().size();
-  read_value(node, values, in_range(-1e9, 1e9), p.key, faults);  // beyond it numbers stop being numbers
-  if (faults.messages().size() != before) return;
+  if (!reads(node, values, in_range(-1e9, 1e9), p.key, faults)) return;  // beyond it numbers stop being numbers
   const auto wanted = static_cast<std::size_t>(p.count);
   if (wanted == 3 && values.size() == 1) values.resize(3, values[0]);
   if (values.size() != wanted)

@@ -40,33 +40,28 @@ std::optional<laws::Node> read_expression(const YAML::Node& entry, const char* k
   return std::move(*tree);
 }
 
-/// nullopt when a fault was told.
-std::optional<std::vector<double>> read_numbers(const YAML::Node& node, const std::string& key, YamlFaults& faults) {
-  std::vector<double> values;
-  const std::size_t before = faults.messages().size();
-  read_value(node, values, in_range(-kLargest, kLargest), key, faults);
-  return faults.messages().size() == before ? std::optional(std::move(values)) : std::nullopt;
+bool reads_numbers(const YAML::Node& node, std::vector<double>& out, const std::string& key, YamlFaults& faults) {
+  return reads(node, out, in_range(-kLargest, kLargest), key, faults);
 }
 
 void read_coupling(const YAML::Node& entry, const laws::Node& tree, EffectConfig& out, YamlFaults& faults) {
   const YAML::Node k = entry["k"], matrix = entry["matrix"];
   if (static_cast<bool>(k) == static_cast<bool>(matrix))
     return faults.add(entry, "a law needs either 'k' (x, y, z) or, for a vector, 'matrix' (3x3)");
+  std::vector<double> values;
   if (k) {
-    auto values = read_numbers(k, "k", faults);
-    if (!values) return;
-    if (values->size() == 1) values->resize(3, values->front());
-    if (values->size() != 3) return faults.add(k, fmt::format("'k' has {} numbers, not 3 (x, y, z)", values->size()));
-    out.parameters["k"] = std::move(*values);
+    if (!reads_numbers(k, values, "k", faults)) return;
+    if (values.size() == 1) values.resize(3, values[0]);
+    if (values.size() != 3) return faults.add(k, fmt::format("'k' has {} numbers, not 3 (x, y, z)", values.size()));
+    out.parameters["k"] = std::move(values);
     return;
   }
   if (!tree.vector)
     return faults.add(matrix,
                       "a matrix times a number has no meaning: the law is a number; give 'k', or make it a vector");
-  auto values = read_numbers(matrix, "matrix", faults);
-  if (!values) return;
-  if (values->size() != 9) return faults.add(matrix, fmt::format("'matrix' has {} numbers, not 3x3", values->size()));
-  out.parameters["matrix"] = std::move(*values);
+  if (!reads_numbers(matrix, values, "matrix", faults)) return;
+  if (values.size() != 9) return faults.add(matrix, fmt::format("'matrix' has {} numbers, not 3x3", values.size()));
+  out.parameters["matrix"] = std::move(values);
 }
 
 void read_times(const YAML::Node& entry, EffectConfig& out, YamlFaults& faults) {
@@ -86,10 +81,9 @@ void read_times(const YAML::Node& entry, EffectConfig& out, YamlFaults& faults) 
 void read_curves(const YAML::Node& entry, EffectConfig& out, YamlFaults& faults) {
   const YAML::Node x = entry["x"], y = entry["y"];
   if (!x || !y) return faults.add(entry, "a table needs 'x' (increasing) and 'y' (three rows, one an axis)");
-  auto xs = read_numbers(x, "x", faults), ys = read_numbers(y, "y", faults);
-  if (!xs || !ys) return;
-  const auto& points = out.parameters["x"] = std::move(*xs);
-  out.parameters["y"] = std::move(*ys);
+  auto& points = out.parameters["x"];
+  const bool good_x = reads_numbers(x, points, "x", faults);
+  if (!reads_numbers(y, out.parameters["y"], "y", faults) || !good_x) return;
   const std::size_t n = points.size();
   if (n < 2) return faults.add(x, "'x' needs two points at least");
   if (std::adjacent_find(points.begin(), points.end(), std::greater_equal<>()) != points.end())

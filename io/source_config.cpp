@@ -155,16 +155,14 @@ void read_value(const YAML::Node& node, Mount& out, const Range&, const std::str
   if (node.IsScalar()) {
     mount = mount_of_names(node.Scalar());
   } else {
-    const std::size_t before = faults.messages().size();
     Mat3 R = Mat3::Identity();
     if (node.IsSequence() && node.size() == 4) {
       std::vector<double> q;
-      read_value(node, q, finite(), key, faults);
+      if (!reads(node, q, finite(), key, faults)) return;
       if (q.size() == 4) R = Quat(q[0], q[1], q[2], q[3]).toRotationMatrix();
-    } else {
-      read_value(node, R, finite(), key, faults);
+    } else if (!reads(node, R, finite(), key, faults)) {
+      return;
     }
-    if (faults.messages().size() != before) return;
     mount = mount_of_matrix(R);
   }
   if (const auto* fault = std::get_if<std::string>(&mount))

@@ -161,9 +161,7 @@ void read_value(const YAML::Node& node, std::vector<double>& out, const Range& r
   } else if (node.IsSequence()) {
     for (const auto& item : node) {
       std::vector<double> inner;  // a list of rows is flattened row by row
-      const std::size_t before = faults.messages().size();
-      read_value(item, inner, range, key, faults);
-      if (faults.messages().size() != before) return;
+      if (!reads(item, inner, range, key, faults)) return;
       values.insert(values.end(), inner.begin(), inner.end());
     }
   } else {
@@ -186,10 +184,8 @@ void read_value(const YAML::Node& node, Mat3& out, const Range& range, const std
     return faults.add(node, fmt::format("'{}' must be three rows of three numbers", key));
   Mat3 value;
   for (std::size_t i = 0; i < 3; ++i) {
-    const std::size_t before = faults.messages().size();
     Vec3 row = Vec3::Zero();
-    read_value(node[i], row, range, key, faults);
-    if (faults.messages().size() != before) return;
+    if (!reads(node[i], row, range, key, faults)) return;
     value.row(static_cast<Eigen::Index>(i)) = row.transpose();
   }
   out = value;

@@ -56,6 +56,15 @@ void read_value(const YAML::Node& node, Mat3& out, const Range& range, const std
 void read_value(const YAML::Node& node, std::vector<double>& out, const Range& range, const std::string& key,
                 YamlFaults& faults);
 
+/// The same for any of them; false when it reported a fault.
+template <class T>
+[[nodiscard]] bool reads(const YAML::Node& node, T& out, const Range& range, const std::string& key,
+                         YamlFaults& faults) {
+  const std::size_t before = faults.messages().size();
+  read_value(node, out, range, key, faults);
+  return faults.messages().size() == before;
+}
+
 template <HasFields P>
 void read_fields(const YAML::Node& map, P& out, YamlFaults& faults);
 

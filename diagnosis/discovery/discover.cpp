@@ -76,7 +76,7 @@ struct Discovered {
 /// Whether its numbers are known as a whole. A factor that hardly varies here - the field, gravity in one attitude -
 /// leaves a matrix open that fits all the same; in every other attitude it would be another law.
 bool is_determined(const SensorSearch& search, const Found& law) {
-  const Fit fit = fit_profile(search.beside_walk(), joined(search.explained(), law.columns));
+  const Fit fit = fit_beside(search, law);
   const auto count = static_cast<Eigen::Index>(law.columns.size());
   const double variance = fit.covariance.diagonal().tail(count).cwiseMax(0.0).sum();
   return std::sqrt(variance) < kMostOpen * fit.theta.tail(count).norm();
@@ -98,6 +98,11 @@ bool is_a_delay_again(const SensorSearch& search, const Term& t) {
   return timed && t.idea.texts.front() == fmt::format("d({})", own_vector(search.sensor));
 }
 
+/// By the noise model and by the scatter of the seconds.
+double sure_gain(const SensorSearch& search, const Found& law) {
+  return std::min(law.gain_nats, robust_nats(search, law));
+}
+
 /// The best that gains enough and may be stated; of those that the recording hardly tells from it the one with the
 /// fewest numbers, which is the surer one on another motion. nullptr: none.
 const Term* choose(const Signals& s, const SensorSearch& search, const std::vector<Term>& terms, double least_gain) {
@@ -107,7 +112,7 @@ const Term* choose(const Signals& s, const SensorSearch& search, const std::vect
     if (t.found.net_nats < least) break;
     if (is_a_delay_again(search, t)) continue;
     if (chosen && t.found.columns.size() >= chosen->found.columns.size()) continue;
-    if (std::min(t.found.gain_nats, robust_nats(search, t.found)) < least_gain) continue;
+    if (sure_gain(search, t.found) < least_gain) continue;
     if (!may_be_stated(s, search, t.found)) continue;
     if (!chosen) least = t.found.net_nats - std::clamp(kAlikeShare * t.found.gain_nats, kAlikeLeast, kAlikeMost);
     chosen = &t;
@@ -130,7 +135,7 @@ std::optional<Discovered> terms_beside(const Signals& s, LawSearch& laws, Sensor
       for (const Term& r : terms) f.rivals.push_back({r.found.id, {}, r.found.gain_nats, r.found.net_nats});
       with.found.push_back(std::move(f));
     }
-    if (round == 0) first = std::min(t.found.gain_nats, robust_nats(out.search, t.found));
+    if (round == 0) first = sure_gain(out.search, t.found);
     out.search = std::move(with);
     out.bits += t.bits;
     out.gain += t.found.gain_nats;

@@ -113,9 +113,8 @@ bool possible(const Signals& s, const SensorSearch& search, const Found& law) {
     return law.timing[1] > 2.0 * std::sqrt(std::max(fit.covariance(last, last), 0.0));
   }
   const auto count = static_cast<Eigen::Index>(law.columns.size());
-  const auto fitted = [&] { return fit_profile(search.beside_walk(), joined(search.explained(), law.columns)); };
   if (law.names == std::vector<std::string>{"share"}) {  // of something that acts as a whole or not at all
-    const Fit fit = fitted();
+    const Fit fit = fit_beside(search, law);
     const double share = fit.theta.tail(count)[0],
                  sd = std::sqrt(std::max(fit.covariance.diagonal().tail(count)[0], 0.0));
     return share > 2.0 * sd && share < 2.0;
@@ -126,7 +125,7 @@ bool possible(const Signals& s, const SensorSearch& search, const Found& law) {
   for (const auto& p : info->parameters)
     if (p.symbol == "k" || p.symbol == "S" || p.symbol == "G") most = std::max(most, p.typical_high);
   if (most == 0.0) return true;
-  const Fit fit = fitted();
+  const Fit fit = fit_beside(search, law);
   const Eigen::VectorXd sd = fit.covariance.diagonal().tail(count).cwiseMax(0.0).cwiseSqrt();
   return ((fit.theta.tail(count).cwiseAbs() - 2.0 * sd).array() < kBeyondUsual * most).all();
 }
@@ -272,8 +271,12 @@ void accept(SensorSearch& search, Found found) {
   }
 }
 
+Fit fit_beside(const SensorSearch& search, const Found& law) {
+  return fit_profile(search.beside_walk(), joined(search.explained(), law.columns));
+}
+
 Series3 effect_of(const SensorSearch& search, const Found& law) {
-  const Fit fit = fit_profile(search.beside_walk(), joined(search.explained(), law.columns));
+  const Fit fit = fit_beside(search, law);
   const auto p = static_cast<Eigen::Index>(law.columns.size());
   return contribution_of(law.columns, Eigen::VectorXd(fit.theta.tail(p)), search.target.layout.n);
 }

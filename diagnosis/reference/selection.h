@@ -90,6 +90,8 @@ inline constexpr double kLeastShareOfFirst = 0.02;
 
 /// Adds it to the model, then drops any earlier effect that it makes superfluous.
 void accept(SensorSearch& search, Found found);
+/// A linear law beside all that was found and a walk; its coefficients are the last ones.
+[[nodiscard]] Fit fit_beside(const SensorSearch& search, const Found& law);
 /// What a linear law does, with the coefficients that it has beside all that was found (n x 3).
 [[nodiscard]] Series3 effect_of(const SensorSearch& search, const Found& law);
 /// What bias and matrix leave of an effect, in the rows that count; 0 in the others.

@@ -15,25 +15,43 @@ Eigen::MatrixXd every(const Eigen::MatrixXd& x, Eigen::Index step) {
   return out;
 }
 
+/// What a wrong bias and matrix can make of the measured vector.
+class BiasAndMatrix {
+ public:
+  BiasAndMatrix(const Signals& s, Sensor sensor)
+      : step_(std::max<Eigen::Index>(1, s.n / kRows)), spanned_(with_constant(every(s.vector[sensor], step_))) {}
+  [[nodiscard]] bool span(const Columns& columns) const {
+    return std::none_of(columns.begin(), columns.end(), [this](const Column& column) {
+      const Eigen::MatrixXd x = every(column.x, step_);
+      return (x - spanned_ * solver_.solve(x)).norm() > kLeastOwnShare * x.norm();
+    });
+  }
+
+ private:
+  static Eigen::MatrixXd with_constant(const Eigen::MatrixXd& vector) {
+    Eigen::MatrixXd out(vector.rows(), 4);
+    out << Eigen::VectorXd::Ones(vector.rows()), vector;
+    return out;
+  }
+  Eigen::Index step_;
+  Eigen::MatrixXd spanned_;
+  Eigen::ColPivHouseholderQR<Eigen::MatrixXd> solver_{spanned_};
+};
+
+bool separates_everything(const Signals& s, Sensor sensor) { return s.exact_reference || !s.present[sensor]; }
+
 }  // namespace
 
 bool is_separable(const Signals& s, Sensor sensor, const Columns& columns) {
-  if (s.exact_reference || !s.present[sensor]) return true;
-  const Eigen::Index step = std::max<Eigen::Index>(1, s.n / kRows);
-  const Eigen::MatrixXd vector = every(s.vector[sensor], step);
-  Eigen::MatrixXd spanned(vector.rows(), 4);
-  spanned << Eigen::VectorXd::Ones(vector.rows()), vector;
-  const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> nuisance(spanned);
-  return std::any_of(columns.begin(), columns.end(), [&](const Column& column) {
-    const Eigen::MatrixXd x = every(column.x, step);
-    return (x - spanned * nuisance.solve(x)).norm() > kLeastOwnShare * x.norm();
-  });
+  return separates_everything(s, sensor) || !BiasAndMatrix(s, sensor).span(columns);
 }
 
 void drop_inseparable(const Signals& s, Sensor sensor, std::vector<Law>& laws) {
+  if (separates_everything(s, sensor)) return;
+  const BiasAndMatrix nuisance(s, sensor);
   std::erase_if(laws, [&](const Law& law) {
     if (law.kind == Kind::kTiming || law.extent == Extent::kStep) return false;
-    return !is_separable(s, sensor, law.columns(law.shapes.front()));
+    return nuisance.span(law.columns(law.shapes.front()));
   });
 }
 

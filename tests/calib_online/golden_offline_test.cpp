@@ -3,7 +3,6 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Dense>
-#include <array>
 #include <iomanip>
 
 #include "calib_online/offline/points_fit.h"

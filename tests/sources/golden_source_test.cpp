@@ -2,9 +2,6 @@
 /// line.
 #include <gtest/gtest.h>
 
-#include <bit>
-#include <cstring>
-
 #include "io/config.h"
 #include "sources/address.h"
 #include "sources/iio_values.h"
