@@ -26,6 +26,9 @@ constexpr double kRemainder = 0.05;                      // of a large effect's 
 constexpr double kFurther = 60.0, kFurtherShare = 0.03;  // of the first term's gain
 constexpr double kOfTheBest = 0.5;                       // of its net gain: what follows it is another law
 constexpr double kMostOpen = 0.4;                        // deviation of all numbers of a law over their size
+constexpr double kSwells = 3.0;                          // times what it did before
+constexpr double kAnotherMatrix = 0.1;                   // by which no entry changes for a law
+constexpr double kLeaves = 1.02;                         // of the rms before, where it is noise that a law leaves
 // Of laws that fall short of the best one by no more than this share of its gain, or so many nats, the one with fewer
 // numbers: what six more of them gain in so little is the misfit of this motion.
 constexpr double kAlikeShare = 0.1, kAlikeLeast = 6.0, kAlikeMost = 40.0;
@@ -82,13 +85,36 @@ bool is_determined(const SensorSearch& search, const Found& law) {
   return std::sqrt(variance) < kMostOpen * fit.theta.tail(count).norm();
 }
 
+/// Whether beside it the numbers that were there before become others: one that was found does several times as much,
+/// or the matrix is another sensor's. Each takes back what the other does, in a motion in which they are nearly one.
+bool moves_the_others(const SensorSearch& search, const Found& law) {
+  const Fit before = fit_profile(search.beside_walk(), search.explained()), beside = fit_beside(search, law);
+  for (int axis = 0; axis < 3; ++axis)
+    if ((beside.nuisance - before.nuisance).segment<3>(4 * axis + 1).cwiseAbs().maxCoeff() > kAnotherMatrix)
+      return true;
+  return std::any_of(search.found.begin(), search.found.end(), [&](const Found& f) {
+    const auto first = first_column(search, static_cast<std::size_t>(&f - search.found.data()));
+    const auto size = [&](const Fit& fit) {
+      const Eigen::VectorXd own = fit.theta.segment(first, static_cast<Eigen::Index>(f.columns.size()));
+      return contribution_of(f.columns, own, search.target.layout.n).norm();
+    };
+    return f.offset.size() == 0 && size(beside) > kSwells * size(before);
+  });
+}
+
+/// What it leaves out of its fit is larger with it than without: a wandering offset, or a bias and matrix that this
+/// motion hardly tells from it, took back what it does.
+bool leaves_more(const HeldOut& h) { return h.gain_nats < 0.0 || h.rms_after > kLeaves * h.rms_before; }
+
 /// What would not be stated must not stand in the place of what would.
 bool may_be_stated(const Signals& s, const SensorSearch& search, const Found& law) {
   if (!is_separable(s, search.sensor, law.columns) || !varies(search, law) || !is_determined(search, law)) return false;
+  if (moves_the_others(search, law)) return false;
   if (as_small_as_wandering(s, search, law) && !stands_beside_wandering(s, search, law)) return false;
   SensorSearch with = search;
   with.found.push_back(law);
-  return !fails_elsewhere(held_out_by_regime(with, {with.found.size() - 1}));
+  const HeldOut held_out = held_out_by_regime(with, {with.found.size() - 1});
+  return !fails_elsewhere(held_out) && !leaves_more(held_out);
 }
 
 /// The rate of the reading itself beside a delay or filter of it: the two would share one cause.

@@ -253,6 +253,19 @@ class LawList {
         "attitude, fixed in the world");
     field.kind = Kind::kConfiguration;
     field.extent = Extent::kWhole;
+    if (s.exact_reference) return;
+    // Smoothed over s, or drawn as lines between frames s sqrt(6) apart, an attitude errs by s^2/2 of its bend.
+    Law& smoothed = add(
+        kSmoothedReference,
+        [&s](double) -> Columns {
+          Series3 bend(s.n, 3);
+          for (Eigen::Index i = 0; i < s.n; ++i)
+            bend.row(i) = Vec3(s.rate_dot.row(i)).cross(Vec3(s.vector[kMag].row(i)));
+          return coupled({std::move(bend)});
+        },
+        {"half_square"}, "s^2", "delta = s^2/2 omega' x m", "angular acceleration");
+    smoothed.kind = Kind::kConfiguration;
+    smoothed.extent = Extent::kWhole;
   }
 
   /// What has a memory, bends or scales with a slow driver, or acts everywhere: a short stretch of it is another law.

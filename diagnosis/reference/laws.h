@@ -21,6 +21,9 @@ enum class Kind {
 /// Shape name of a law seen through an adaptive bias estimate: no effect of the catalogue has it.
 inline constexpr const char* kTrackerShape = "tracker_tau";
 
+/// Of a reference, not of the simulation: its attitudes are smoothed.
+inline constexpr const char* kSmoothedReference = "ref_smoothed";
+
 enum class Extent { kAny, kStep, kWhole };  ///< may be local in time; must be (a constant would be the offset); never
 
 struct Law {

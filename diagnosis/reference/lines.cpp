@@ -18,17 +18,28 @@ constexpr double kLeastOverMean = 35.0;  // sum of three periodograms over their
 constexpr double kLowest_Hz = 0.5;       // slower is motion and drift
 constexpr double kOwnPhaseNats = 8.0;    // phases of their own that are worth three numbers more
 constexpr int kRefinements = 24;
+constexpr double kTaper = 0.1;                      // of a stretch, at either end
+constexpr double kOverNear = 0.3 * kLeastOverMean;  // a resonance or the motion itself is broad, a line is not
+constexpr Eigen::Index kNear = 12;                  // bins on either side that say so
 constexpr double kSameFrequency =
     0.25;  // of a bin: nearer to half the rate the recording cannot tell a line from a flip
+
+/// Rises and falls over the ends: what is slow and strong there would leak over every bin.
+Series tapered_ends(Eigen::Index n) {
+  const auto last = static_cast<double>(n) - 0.5;
+  const Eigen::ArrayXd from_end = Eigen::ArrayXd::LinSpaced(n, 0.5, last).min(Eigen::ArrayXd::LinSpaced(n, last, 0.5));
+  return (0.5 - 0.5 * (std::numbers::pi * (from_end / (kTaper * static_cast<double>(n))).min(1.0)).cos()).matrix();
+}
 
 /// Power of the three axes at each bin 0..n/2 over the background of its neighbourhood: mean 3 where there is noise.
 Series over_background(const Series3& x) {
   const Eigen::Index n = x.rows(), bins = n / 2 + 1;
   Eigen::FFT<double> fft;
+  const Series taper = tapered_ends(n);
   Series sum = Series::Zero(bins);
   for (int axis = 0; axis < 3; ++axis) {
     Eigen::VectorXcd spectrum;
-    const Series column = x.col(axis);
+    const Series column = x.col(axis).cwiseProduct(taper);
     fft.fwd(spectrum, column);
     const Series power = spectrum.head(bins).cwiseAbs2();
     for (Eigen::Index first = 0; first < bins; first += kBand) {
@@ -75,21 +86,37 @@ struct Peak {
   double frequency_Hz = 0.0, over_background = 0.0;
 };
 
-/// The sharpest line, if there is one.
-std::optional<Peak> sharpest(const Series3& left, const Series& t_s, double step_s) {
+/// The strongest bin of these rows that stands alone.
+Peak strongest_line(const Series3& left, double step_s) {
   const Series power = over_background(left);
   const double bin_Hz = bin_width_Hz(left, step_s);
-  const auto lowest = static_cast<Eigen::Index>(std::ceil(kLowest_Hz / bin_Hz));
-  if (power.size() < lowest + kBand) return std::nullopt;
-  Eigen::Index at = 0;
-  if (power.tail(power.size() - lowest).maxCoeff(&at) < kLeastOverMean) return std::nullopt;
-  at += lowest;
-  // A resonance or the motion itself is broad; a line is not.
-  const Eigen::Index near = std::max<Eigen::Index>(at - 12, 0), far = std::min(at + 12, power.size() - 1);
-  std::vector<double> around(power.data() + near, power.data() + far + 1);
-  std::nth_element(around.begin(), around.begin() + static_cast<std::ptrdiff_t>(around.size() / 2), around.end());
-  if (power[at] < 0.3 * kLeastOverMean * around[around.size() / 2]) return std::nullopt;
-  return Peak{refined(left, t_s, static_cast<double>(at) * bin_Hz, bin_Hz, 0.5 / step_s), power[at]};
+  Peak best;
+  for (auto at = static_cast<Eigen::Index>(std::ceil(kLowest_Hz / bin_Hz)); at < power.size(); ++at) {
+    if (power[at] < std::max(kLeastOverMean, best.over_background)) continue;
+    const Eigen::Index near = std::max<Eigen::Index>(at - kNear, 0), far = std::min(at + kNear, power.size() - 1);
+    std::vector<double> around(power.data() + near, power.data() + far + 1);
+    std::nth_element(around.begin(), around.begin() + static_cast<std::ptrdiff_t>(around.size() / 2), around.end());
+    if (power[at] >= kOverNear * around[around.size() / 2]) best = {static_cast<double>(at) * bin_Hz, power[at]};
+  }
+  return best;
+}
+
+/// The sharpest line, if there is one: in the whole, or in a half or a quarter of it that it fills better.
+std::optional<Peak> sharpest(const Series3& left, const Series& t_s, double step_s) {
+  Peak best;
+  for (const Eigen::Index parts : {1, 2, 4}) {
+    const Eigen::Index rows = left.rows() / parts, hop = std::max<Eigen::Index>(rows / 2, 1);
+    if (rows < 4 * kBand) break;
+    for (Eigen::Index first = 0; first + rows <= left.rows(); first += hop) {
+      const Series3 stretch = left.middleRows(first, rows);
+      const Peak peak = strongest_line(stretch, step_s);
+      if (peak.over_background <= best.over_background) continue;
+      const double bin_Hz = bin_width_Hz(stretch, step_s);
+      best = {refined(stretch, t_s.segment(first, rows), peak.frequency_Hz, bin_Hz, 0.5 / step_s),
+              peak.over_background};
+    }
+  }
+  return best.over_background > 0.0 ? std::optional(best) : std::nullopt;
 }
 
 struct Unexplained {

@@ -87,19 +87,14 @@ double jitter_without_rest(const Turns& rows, Eigen::Index rows_a_frame) {
 
 /// Where the reference was lost, and beside it as far as its differences reach, nothing can be compared.
 void mute_lost_reference(Signals& s, const io::Recording& recording) {
-  constexpr std::ptrdiff_t kReach = kStencilReach + 1;
-  const auto n = static_cast<std::ptrdiff_t>(s.n);
-  std::ptrdiff_t until = 0;
-  for (std::ptrdiff_t i = 0; i < n; ++i) {
-    const auto at = static_cast<std::size_t>(i);
+  constexpr Eigen::Index kReach = kStencilReach + 1;
+  s.lost.assign(static_cast<std::size_t>(s.n), 0);
+  for (std::size_t i = 0; i < s.lost.size(); ++i) {
     const bool there =
-        recording.ref_q_world_body[at].allFinite() && (!s.has_position || recording.ref_position_m[at].allFinite());
-    if (there) continue;
-    for (std::ptrdiff_t k = std::max(until, i - kReach); k <= std::min(i + kReach, n - 1); ++k)
-      for (Mask& muted : s.muted)
-        if (!muted.empty()) muted[static_cast<std::size_t>(k)] = 1;
-    until = i + kReach + 1;
+        recording.ref_q_world_body[i].allFinite() && (!s.has_position || recording.ref_position_m[i].allFinite());
+    if (!there) s.lost[i] = 1;
   }
+  mute_beside_lost(s, kReach);
 }
 
 /// What the reference's own roughness leaves in the derivatives of which the readings are predicted: of the stamps of
@@ -186,6 +181,18 @@ void predict_readings(Signals& s, const Turns& q, const Motion& m) {
 }
 
 }  // namespace
+
+void mute_beside_lost(Signals& s, Eigen::Index reach) {
+  const auto n = static_cast<Eigen::Index>(s.lost.size());
+  Eigen::Index until = 0;
+  for (Eigen::Index i = 0; i < n; ++i) {
+    if (!s.lost[static_cast<std::size_t>(i)]) continue;
+    for (Eigen::Index k = std::max(until, i - reach); k <= std::min(i + reach, n - 1); ++k)
+      for (Mask& muted : s.muted)
+        if (!muted.empty()) muted[static_cast<std::size_t>(k)] = 1;
+    until = i + reach + 1;
+  }
+}
 
 void predict(Signals& s, const io::Recording& recording, Eigen::Index rows_a_frame) {
   mute_lost_reference(s, recording);

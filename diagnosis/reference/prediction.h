@@ -9,4 +9,7 @@ namespace stillpoint::diag {
 /// Pre: the readings and the rest are there, the recording has quaternions.
 void predict(Signals& s, const io::Recording& recording, Eigen::Index rows_a_frame);
 
+/// Mutes what stands so many rows or fewer beside a row in which the reference was lost.
+void mute_beside_lost(Signals& s, Eigen::Index reach);
+
 }  // namespace stillpoint::diag

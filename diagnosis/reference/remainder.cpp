@@ -75,7 +75,10 @@ void configuration_of(const Signals& s, const SensorSearch& search, const Finish
   Diagnosis& out = answer.diagnosis;
   const std::string sensor = kSensorName[search.sensor];
   for (const Found& f : search.found)
-    if (f.kind == Kind::kConfiguration)
+    if (f.id == kSmoothedReference)
+      out.notices.emplace_back(
+          "reference: its attitudes are smoothed, or drawn as lines between slower frames; allowed for in mag");
+    else if (f.kind == Kind::kConfiguration)
       out.configuration.push_back({sensor, search.sensor == kMag
                                                ? "field_world_uT is wrong: another constant field fits"
                                                : "the vertical of the reference's world is not that of gravity"});

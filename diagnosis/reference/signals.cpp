@@ -116,7 +116,11 @@ void choose_vectors(Signals& s) {
   };
   const auto limited = [&](const Series3& x) { return limited_to(band_of(x), x); };
   if (!s.exact_reference) {
-    for (Series3& axis : s.world_axis) axis = limited(axis);
+    for (Series3& axis : s.world_axis) {
+      const double band_hz = band_of(axis);
+      axis = limited_to(band_hz, axis);
+      mute_beside_lost(s, static_cast<Eigen::Index>(std::ceil(1.0 / (band_hz * s.dt_s))));  // of what bridges the gap
+    }
     if (s.has_position) s.position_m = limited(s.position_m);
     hold_what_keeps_still(s);
   }
