@@ -72,15 +72,16 @@ void mute_lattice_at_rest(Signals& s, const Forensics& forensics) {
   }
 }
 
-/// Steps coarser than the noise follow the motion: what looks like a law outside the catalogue, and is smaller than a
-/// step, is the lattice.
+/// Steps coarser than the noise follow the motion: what looks like a law outside the catalogue, and removes no more
+/// than the power of rounding, is the lattice.
 void drop_traces_of_lattices(const Signals& s, const Forensics& forensics, std::vector<Finding>& findings) {
   for (std::size_t k = 0; k < kSensors; ++k) {
     const double step = forensics.sensor[k].lattice_step.maxCoeff();
     if (!s.present[k] || !forensics.sensor[k].quantised || step < s.noise_sd[k]) continue;
     std::erase_if(findings, [&](const Finding& f) {
+      const double removed = std::pow(f.held_out.rms_before, 2) - std::pow(f.held_out.rms_after, 2);
       return is_unknown(f) && !f.channels.empty() && f.channels.front().starts_with(kSensorName[k]) &&
-             f.held_out.rms_before < step;
+             removed < step * step / 12.0;
     });
   }
 }

@@ -13,9 +13,11 @@
 namespace stillpoint::diag {
 namespace {
 
+using testing::Contains;
 using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
+using testing::Not;
 
 const test::Parameters kThermal{{"k_radps_per_K", {6e-4, -3e-4, 2e-4}}};
 
@@ -32,6 +34,17 @@ void forget(io::Recording& r, std::size_t row) {
 io::Recording with_frames_on_every(std::size_t step, io::Recording r) {
   for (std::size_t i = 0; i < r.size(); ++i)
     if (i % step != 0) forget(r, i);
+  return r;
+}
+
+/// As a tracker smooths them: means over so many rows on either side.
+io::Recording smoothed_over(std::size_t reach, io::Recording r) {
+  const std::vector<Eigen::Vector4d> given = r.ref_q_world_body;
+  for (std::size_t i = reach; i + reach < r.size(); ++i) {
+    Eigen::Vector4d sum = Eigen::Vector4d::Zero();
+    for (std::size_t k = i - reach; k <= i + reach; ++k) sum += given[k] * (given[k].dot(given[i]) < 0 ? -1.0 : 1.0);
+    r.ref_q_world_body[i] = sum.normalized();
+  }
   return r;
 }
 
@@ -56,6 +69,30 @@ io::Recording with_rows_of_its_own(const io::Recording& r) {
     out.ref_q_world_body.push_back(Eigen::Vector4d::Constant(io::kMissing)), out.ref_position_m.push_back(nothing);
   }
   return out;
+}
+
+/// A smoothed attitude errs where the body speeds up, and a good magnetometer shows that: it is none of its physics.
+TEST(SlowReference, ThatIsSmoothedIsNoPhysicsOfTheMagnetometer) {
+  auto config = test::baseline("mocap", 60.0);
+  config.magnetometer->noise_sd = 0.03;
+  for (const std::uint64_t seed : {1, 2, 3}) {
+    const Answer answer = diagnose(smoothed_over(2, test::record(config, "", {}, seed)), config);
+    EXPECT_THAT(test::names(answer), Not(Contains(HasSubstr("unknown")))) << seed;
+    EXPECT_THAT(test::names(answer), Not(Contains(HasSubstr("mag_")))) << seed;
+  }
+}
+
+/// What bridges a gap of the reference is no attitude, nor is what a filter makes of it beside the gap.
+TEST(SlowReference, ThatWasLostInAMotionIsNoPhysicsOfTheMagnetometer) {
+  auto config = test::baseline("mocap", 60.0);
+  config.magnetometer->noise_sd = 0.03;
+  config.motion->kind = "rest_poses";
+  for (const std::uint64_t seed : {1, 2, 3}) {
+    io::Recording r = test::record(config, "", {}, seed);
+    for (std::size_t i = 0; i < r.size(); ++i)
+      if (i % 400 < 40 && i > 100) forget(r, i);
+    EXPECT_THAT(test::names(diagnose(r, config)), Not(Contains(HasSubstr("mag_")))) << seed;
+  }
 }
 
 TEST(SlowReference, IsInterpolatedBetweenItsFramesAndNotAcrossABreak) {

@@ -53,6 +53,27 @@ TEST(Windows, AStrongOneForAFewSecondsOfAGoodSensorIsNoDerivative) {
     }
 }
 
+/// A line that lasts a sixth of the recording stands over nothing in the spectrum of the whole, beside what a camera
+/// leaves of the motion.
+TEST(Windows, ALineForAFewSecondsBesideANoisyCameraIsFound) {
+  auto config = test::baseline("mocap", 60.0);
+  config.rate_hz = 100;
+  config.accelerometer->noise_sd = 0.002;
+  for (const std::uint64_t seed : {1, 2, 3}) {
+    auto real = config;
+    real.effects = {{.id = "acc_alias",
+                     .parameters = {{"b_mps2", {-0.02, 0.03, -0.05}}, {"f_hz", {185.7}}},
+                     .axes = {},
+                     .window_s = {{19, 28.5}}}};
+    const Answer answer = diagnose(test::record(real, "", {}, seed), config);
+    ASSERT_THAT(names(answer), testing::Contains("acc_alias")) << seed;
+    const auto is_line = [](const Finding& f) { return f.effect == "acc_alias"; };
+    const Finding& f = *std::ranges::find_if(answer.diagnosis.findings, is_line);
+    EXPECT_NEAR(f.interval_s[0], 19.0, 1.5) << seed;
+    EXPECT_NEAR(f.interval_s[1], 28.5, 1.5) << seed;
+  }
+}
+
 TEST(Windows, RowsLostFromOneOnAreNoDelayUntilTheEnd) {
   const auto config = test::baseline("exact");
   const Answer answer = diagnose(test::record(config, "sys_gap", {{"n", {4}}, {"t0_s", {45}}}, 7), config);
