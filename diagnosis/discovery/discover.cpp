@@ -27,7 +27,7 @@ constexpr double kFurther = 60.0, kFurtherShare = 0.03;  // of the first term's 
 constexpr double kOfTheBest = 0.5;                       // of its net gain: what follows it is another law
 constexpr double kMostOpen = 0.4;                        // deviation of all numbers of a law over their size
 constexpr double kSwells = 3.0;                          // times what it did before
-constexpr double kAnotherMatrix = 0.1;                   // by which no entry changes for a law
+constexpr double kAnotherMatrix = 0.1;                   // by which the largest entry may grow for a law
 constexpr double kLeaves = 1.02;                         // of the rms before, where it is noise that a law leaves
 // Of laws that fall short of the best one by no more than this share of its gain, or so many nats, the one with fewer
 // numbers: what six more of them gain in so little is the misfit of this motion.
@@ -89,9 +89,10 @@ bool is_determined(const SensorSearch& search, const Found& law) {
 /// or the matrix is another sensor's. Each takes back what the other does, in a motion in which they are nearly one.
 bool moves_the_others(const SensorSearch& search, const Found& law) {
   const Fit before = fit_profile(search.beside_walk(), search.explained()), beside = fit_beside(search, law);
-  for (int axis = 0; axis < 3; ++axis)
-    if ((beside.nuisance - before.nuisance).segment<3>(4 * axis + 1).cwiseAbs().maxCoeff() > kAnotherMatrix)
-      return true;
+  const auto matrix_of = [](const Fit& fit) {
+    return Eigen::Map<const Eigen::Matrix<double, 4, 3>>(fit.nuisance.data()).bottomRows<3>().cwiseAbs().maxCoeff();
+  };
+  if (matrix_of(beside) > matrix_of(before) + kAnotherMatrix) return true;
   return std::any_of(search.found.begin(), search.found.end(), [&](const Found& f) {
     const auto first = first_column(search, static_cast<std::size_t>(&f - search.found.data()));
     const auto size = [&](const Fit& fit) {

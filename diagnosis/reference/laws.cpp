@@ -253,17 +253,21 @@ class LawList {
         "attitude, fixed in the world");
     field.kind = Kind::kConfiguration;
     field.extent = Extent::kWhole;
+  }
+
+  /// Smoothed over s, or drawn as lines between frames s sqrt(6) apart, an attitude errs by s^2/2 of its bend.
+  void smoothed_reference() {
+    const Signals& s = s_;
     if (s.exact_reference) return;
-    // Smoothed over s, or drawn as lines between frames s sqrt(6) apart, an attitude errs by s^2/2 of its bend.
     Law& smoothed = add(
         kSmoothedReference,
-        [&s](double) -> Columns {
-          Series3 bend(s.n, 3);
+        [&s, k = sensor_](double) -> Columns {
+          Series3 turned(s.n, 3);
           for (Eigen::Index i = 0; i < s.n; ++i)
-            bend.row(i) = Vec3(s.rate_dot.row(i)).cross(Vec3(s.vector[kMag].row(i)));
-          return coupled({std::move(bend)});
+            turned.row(i) = Vec3(s.rate_dot.row(i)).cross(Vec3(s.vector[k].row(i)));
+          return coupled({std::move(turned)});
         },
-        {"half_square"}, "s^2", "delta = s^2/2 omega' x m", "angular acceleration");
+        {"half_square"}, "s^2", "delta = s^2/2 omega' x true", "angular acceleration");
     smoothed.kind = Kind::kConfiguration;
     smoothed.extent = Extent::kWhole;
   }
@@ -299,6 +303,7 @@ std::vector<Law> make_laws(const Signals& s, Sensor sensor) {
   if (sensor == kGyr) list.gyroscope();
   if (sensor == kGyr) list.thermal_behind_tracker(), list.tracker();
   if (sensor == kMag) list.magnetometer();
+  if (sensor != kGyr) list.smoothed_reference();
   list.never_local({"_temp_quad", "_temp_lag", "_temp_scale", "_earth", "_gravity", "_vre"});
   if (!s.voltage_V.size()) list.never_local({"_temp_"});
   std::vector<Law> laws = list.take();

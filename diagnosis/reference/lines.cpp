@@ -20,6 +20,8 @@ constexpr double kOwnPhaseNats = 8.0;    // phases of their own that are worth t
 constexpr int kRefinements = 24;
 constexpr double kTaper = 0.1;                      // of a stretch, at either end
 constexpr double kOverNear = 0.3 * kLeastOverMean;  // a resonance or the motion itself is broad, a line is not
+constexpr double kSameLine = 2.0;                   // bins
+constexpr double kSpeedsShare = 0.3;                // of its speed, that an engine changes by
 constexpr Eigen::Index kNear = 12;                  // bins on either side that say so
 constexpr double kSameFrequency =
     0.25;  // of a bin: nearer to half the rate the recording cannot tell a line from a flip
@@ -101,20 +103,31 @@ Peak strongest_line(const Series3& left, double step_s) {
   return best;
 }
 
+/// An engine's speed is never the same: its line is elsewhere in the next part. A sensor's stays, or is gone.
+bool is_of_an_engine(const Peak& peak, const std::vector<Peak>& parts, double bin_Hz) {
+  return std::any_of(parts.begin(), parts.end(), [&](const Peak& p) {
+    const double off = std::abs(p.frequency_Hz - peak.frequency_Hz);
+    return off > kSameLine * bin_Hz && off < kSpeedsShare * peak.frequency_Hz;
+  });
+}
+
 /// The sharpest line, if there is one: in the whole, or in a half or a quarter of it that it fills better.
 std::optional<Peak> sharpest(const Series3& left, const Series& t_s, double step_s) {
   Peak best;
   for (const Eigen::Index parts : {1, 2, 4}) {
     const Eigen::Index rows = left.rows() / parts, hop = std::max<Eigen::Index>(rows / 2, 1);
     if (rows < 4 * kBand) break;
+    const double bin_Hz = 1.0 / (static_cast<double>(rows) * step_s);
+    std::vector<Peak> found;
     for (Eigen::Index first = 0; first + rows <= left.rows(); first += hop) {
-      const Series3 stretch = left.middleRows(first, rows);
-      const Peak peak = strongest_line(stretch, step_s);
-      if (peak.over_background <= best.over_background) continue;
-      const double bin_Hz = bin_width_Hz(stretch, step_s);
-      best = {refined(stretch, t_s.segment(first, rows), peak.frequency_Hz, bin_Hz, 0.5 / step_s),
-              peak.over_background};
+      const Series3 part = left.middleRows(first, rows);
+      Peak peak = strongest_line(part, step_s);
+      if (peak.over_background == 0.0) continue;
+      peak.frequency_Hz = refined(part, t_s.segment(first, rows), peak.frequency_Hz, bin_Hz, 0.5 / step_s);
+      found.push_back(peak);
     }
+    for (const Peak& peak : found)
+      if (peak.over_background > best.over_background && !is_of_an_engine(peak, found, bin_Hz)) best = peak;
   }
   return best.over_background > 0.0 ? std::optional(best) : std::nullopt;
 }

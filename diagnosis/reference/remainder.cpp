@@ -76,8 +76,8 @@ void configuration_of(const Signals& s, const SensorSearch& search, const Finish
   const std::string sensor = kSensorName[search.sensor];
   for (const Found& f : search.found)
     if (f.id == kSmoothedReference)
-      out.notices.emplace_back(
-          "reference: its attitudes are smoothed, or drawn as lines between slower frames; allowed for in mag");
+      out.notices.push_back(fmt::format(
+          "reference: its attitudes are smoothed, or drawn as lines between slower frames; allowed for in {}", sensor));
     else if (f.kind == Kind::kConfiguration)
       out.configuration.push_back({sensor, search.sensor == kMag
                                                ? "field_world_uT is wrong: another constant field fits"

@@ -59,10 +59,11 @@ TEST(Windows, ALineForAFewSecondsBesideANoisyCameraIsFound) {
   auto config = test::baseline("mocap", 60.0);
   config.rate_hz = 100;
   config.accelerometer->noise_sd = 0.002;
+  config.reference = {.kind = "mocap", .orientation_sd_rad = 4e-4, .position_sd_m = 1.4e-4, .band_hz = 4.0};
   for (const std::uint64_t seed : {1, 2, 3}) {
     auto real = config;
     real.effects = {{.id = "acc_alias",
-                     .parameters = {{"b_mps2", {-0.02, 0.03, -0.05}}, {"f_hz", {185.7}}},
+                     .parameters = {{"b_mps2", {-0.1, 0.15, -0.3}}, {"f_hz", {185.7}}},
                      .axes = {},
                      .window_s = {{19, 28.5}}}};
     const Answer answer = diagnose(test::record(real, "", {}, seed), config);
