@@ -43,7 +43,7 @@ Finished finish_beside_drift(SensorSearch& search) {
 }
 
 bool reference_may_drift(const Signals& s, Sensor sensor, const Finished& finished) {
-  constexpr double kMarkers_rad = 2e-3;
+  constexpr double kMarkers_rad = 3e-3;  // over the recording; the rate of a walk is known to a factor of two
   if (s.exact_reference || sensor == kGyr) return false;
   const double fastest = *std::max_element(finished.fit.walk_q.begin(), finished.fit.walk_q.end());
   return fastest * std::sqrt(s.duration_s()) < kMarkers_rad * s.vector[sensor].rowwise().norm().mean();
