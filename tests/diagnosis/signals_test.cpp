@@ -60,11 +60,14 @@ TEST(Signals, MutesWhereTheReferenceWasLost) {
   for (std::size_t i = 3000; i < 3100; ++i) r.ref_q_world_body[i].setConstant(io::kMissing);
   const auto s = make_signals(r, baseline(), {});
   ASSERT_TRUE(s);
+  ASSERT_FALSE(s->exact_reference);
+  const auto second = static_cast<std::size_t>(std::lround(1.0 / s->dt_s));
   for (const int k : {kAcc, kGyr, kMag}) {
-    EXPECT_EQ(s->muted[k][2980], 0) << k;
+    EXPECT_EQ(s->muted[k][3000 - second], 0) << k;
     EXPECT_EQ(s->muted[k][2997], 1) << "differences reach into the gap";
+    EXPECT_EQ(s->muted[k][2990], 1) << "and so does the filter that makes drivers of a noisy reference";
     EXPECT_EQ(s->muted[k][3050], 1) << k;
-    EXPECT_EQ(s->muted[k][3120], 0) << k;
+    EXPECT_EQ(s->muted[k][3100 + second], 0) << k;
   }
 }
 
