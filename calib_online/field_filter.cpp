@@ -13,11 +13,12 @@ namespace {
 constexpr double kGate = 16.0;             // chi-square of three; beyond, a pair is set aside
 constexpr double kStillLearning = 2.0;     // a misfit mostly of the states is no verdict on what was learnt
 constexpr double kMemory = 0.98;           // of the misfits, a pair
+constexpr double kPriorPairs = 5.0;        // what the assumed unevenness of a place counts for
 constexpr double kChangeMemory = 0.9;      // of those that speak of a change
 constexpr double kExplained = 0.7;         // of the misfits' energy by one carried field: it turns with the body
 constexpr std::uint32_t kRunToChange = 6;  // pairs set aside lately
 constexpr std::uint32_t kLeastPairs = 30;  // before anything is said to be better than the factory calibration
-constexpr double kKnown = 0.02;            // of the field: 1.1 deg of heading, where it is known worst
+constexpr double kKnown = 0.02;  // of the field, where it is known worst: 1.1 deg of heading; or of what is carried
 constexpr double kBetter = 0.1;  // of the factory's mean square misfit; what is left is the world's and may be in D too
 
 double squared(double v) { return v * v; }
@@ -54,9 +55,12 @@ FieldFilter::Mat3x12 FieldFilter::design(const Pair& pair, const Mat3& lever) no
   return h;
 }
 
-/// The body carries another field: that field is as open as at the start, the matrix stays.
-void FieldFilter::open_carried_field(const StateMat& P) noexcept {
-  StateMat open = P;
+/// The body carries another field, and the misfits have shown which: from there it is as open as at the start. The
+/// matrix stays. A sensor of which nothing was known yet carries what its maker did not take out: no change of it.
+void FieldFilter::open_carried_field(const Vec3& change) noexcept {
+  if (observable()) ++s_.changes;
+  Eigen::Map<StateVec>(s_.x.data()).tail<3>() += change;
+  StateMat open = s_.P.full();
   open.diagonal().tail<3>().array() += squared(params_.hard_iron_sd_uT);
   s_.P.set(open);
   s_.change_information = {};
@@ -65,7 +69,6 @@ void FieldFilter::open_carried_field(const StateMat& P) noexcept {
   s_.rejected_run = 0;
   s_.factory_error = s_.learnt_error = 0.0;
   s_.pairs = s_.compared = 0;
-  ++s_.changes;
 }
 
 FieldFilter::Verdict FieldFilter::update(const Pair& pair) noexcept {
@@ -76,8 +79,9 @@ FieldFilter::Verdict FieldFilter::update(const Pair& pair) noexcept {
   Eigen::Map<StateVec> x(s_.x.data());
   const StateMat P = s_.P.full();
   const Vec3 e = z - h * x;
-  const double turn_var =
-      squared(pair.gyr_matrix_sd * pair.path_rad) + squared(params_.gyr_bias_sd_radps * pair.time_s);
+  const double rate_sd = pair.gyr_bias_sd_radps > 0.0 ? std::min(params_.gyr_bias_sd_radps, pair.gyr_bias_sd_radps)
+                                                      : params_.gyr_bias_sd_radps;
+  const double turn_var = squared(pair.gyr_matrix_sd * pair.path_rad) + squared(rate_sd * pair.time_s);
   const Vec3 field = matrix() * after - carried_uT();
   const Mat3 turned = turn_var * skew(field) * skew(field).transpose();
   s_.white_uT2 += std::max(1.0 - kMemory, 1.0 / (s_.pairs + 1.0)) * (pair.noise_uT2 - s_.white_uT2);
@@ -96,11 +100,13 @@ FieldFilter::Verdict FieldFilter::update(const Pair& pair) noexcept {
     ++s_.compared;
   }
   // (F5) The share of a misfit that is the pair's own and not that of the states.
-  s_.misfit_uT2 += (1.0 - kMemory) * (misfit * own / S.trace() - s_.misfit_uT2);
+  s_.misfit_uT2 +=
+      std::max(1.0 - kMemory, 1.0 / (s_.compared + kPriorPairs)) * (misfit * own / S.trace() - s_.misfit_uT2);
   note_misfit(e, lever, rejected);
   if (rejected) {
-    if (!body_changed()) return Verdict::kWorldChanged;
-    open_carried_field(P);
+    const std::optional<Vec3> change = change_of_body();
+    if (!change) return Verdict::kWorldChanged;
+    open_carried_field(*change);
     return Verdict::kBodyChanged;
   }
   // (F4) Noise averages out over pairs. The place does not: a hand comes back to the same spots in the same attitudes.
@@ -131,11 +137,12 @@ void FieldFilter::note_misfit(const Vec3& e, const Mat3& lever, bool rejected) n
     --s_.rejected_run;
 }
 
-bool FieldFilter::body_changed() const noexcept {
-  if (s_.rejected_run < kRunToChange) return false;
+std::optional<Vec3> FieldFilter::change_of_body() const noexcept {
+  if (s_.rejected_run < kRunToChange) return std::nullopt;
   const Mat3 N = mat(s_.change_information) + 0.05 * Mat3::Identity();
   const Vec3 change = N.ldlt().solve(vec(s_.change_rhs));
-  return change.dot(vec(s_.change_rhs)) > kExplained * s_.change_energy;
+  if (change.dot(vec(s_.change_rhs)) > kExplained * s_.change_energy) return change;
+  return std::nullopt;
 }
 
 Mat3 FieldFilter::matrix() const noexcept { return Mat3::Identity() + Eigen::Map<const RowMajor3>(s_.x.data()); }
@@ -164,7 +171,7 @@ bool FieldFilter::better_than_factory() const noexcept {
 }
 
 bool FieldFilter::observable() const noexcept {
-  return s_.pairs > 0 && uncertainty().worst_uT2 < squared(kKnown * s_.strength_uT);
+  return s_.pairs > 0 && uncertainty().worst_uT2 < squared(kKnown * std::max(s_.strength_uT, carried_uT().norm()));
 }
 
 }  // namespace stillpoint::calib

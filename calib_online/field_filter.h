@@ -4,6 +4,7 @@
 /// the field that the body carries. A field fixed in the world drops out of every pair, however strong it is.
 #pragma once
 #include <array>
+#include <optional>
 
 #include "calib_online/field_turns.h"
 #include "calib_online/temperature_filter.h"
@@ -31,7 +32,8 @@ struct FieldFilterParams {
               "unevenness of the field between two readings of a turn, before any was seen"),
         field("repeats", &P::repeats, in_range(1.0, 1e4),
               "turns in which the same unevenness and the same error of the gyro come again: so many count as one"),
-        field("gyr_bias_sd_radps", &P::gyr_bias_sd_radps, in_range(0.0, 0.1), "what the rate is off in a turn"),
+        field("gyr_bias_sd_radps", &P::gyr_bias_sd_radps, in_range(0.0, 0.1),
+              "what the rate is off in a turn, before the bias is learnt"),
     };
   }
 };
@@ -76,7 +78,8 @@ class FieldFilter {
     Mat3 R;
     double noise_uT2 = 0.0;  ///< per axis, of the difference
     double path_rad = 0.0, time_s = 0.0;
-    double gyr_matrix_sd = 0.0;  ///< what a turn is off, relative to its path
+    double gyr_matrix_sd = 0.0;      ///< what a turn is off, relative to its path
+    double gyr_bias_sd_radps = 0.0;  ///< and for its time; zero where nothing is known of the bias
   };
   Verdict update(const Pair& pair) noexcept;
 
@@ -99,9 +102,10 @@ class FieldFilter {
  private:
   using Mat3x12 = Eigen::Matrix<double, 3, kStates>;
   [[nodiscard]] static Mat3x12 design(const Pair& pair, const Mat3& lever) noexcept;
-  void open_carried_field(const StateMat& P) noexcept;
+  void open_carried_field(const Vec3& change) noexcept;
   void note_misfit(const Vec3& e, const Mat3& lever, bool rejected) noexcept;
-  [[nodiscard]] bool body_changed() const noexcept;
+  /// Of the carried field, where it explains the misfits of lately.
+  [[nodiscard]] std::optional<Vec3> change_of_body() const noexcept;
 
   FieldFilterParams params_;
   State s_;

@@ -17,7 +17,7 @@ void MagLearner::restore(const State& s) noexcept {
   published_ns_ = s.published_ns;
 }
 
-bool MagLearner::absorb(const FieldTurn& t, double gyr_matrix_sd) noexcept {
+bool MagLearner::absorb(const FieldTurn& t, double gyr_matrix_sd, double gyr_bias_sd_radps) noexcept {
   const bool follows = t_ns_ > 0 && t.t_end_ns > t_ns_;
   if (follows) field_.predict(static_cast<double>(t.t_end_ns - t_ns_) * kSecondsPerNs);
   t_ns_ = t.t_end_ns;
@@ -28,7 +28,8 @@ bool MagLearner::absorb(const FieldTurn& t, double gyr_matrix_sd) noexcept {
                                       .noise_uT2 = t.noise_uT2,
                                       .path_rad = t.path_rad,
                                       .time_s = t.time_s,
-                                      .gyr_matrix_sd = gyr_matrix_sd});
+                                      .gyr_matrix_sd = gyr_matrix_sd,
+                                      .gyr_bias_sd_radps = gyr_bias_sd_radps});
   const bool due = !follows || t.t_end_ns - published_ns_ >= kPublish_ns;
   if (!due && verdict != FieldFilter::Verdict::kBodyChanged) return false;
   published_ns_ = t.t_end_ns;

@@ -16,7 +16,7 @@ class MagLearner {
   MagLearner(const FieldFilterParams& params, const TriadCalibration& factory) : factory_(factory), field_(params) {}
 
   /// True: it is time to publish.
-  bool absorb(const FieldTurn& t, double gyr_matrix_sd) noexcept;
+  bool absorb(const FieldTurn& t, double gyr_matrix_sd, double gyr_bias_sd_radps) noexcept;
   void publish(TriadCalibration& out) const noexcept;
 
   [[nodiscard]] std::uint32_t turns() const noexcept { return field_.state().pairs; }

@@ -96,7 +96,7 @@ bool OnlineCalibrator::absorb(const Window& window) noexcept {
 }
 
 bool OnlineCalibrator::absorb(const FieldTurn& turn) noexcept {
-  if (!mag_.absorb(turn, gyr_matrix_.sd())) return false;
+  if (!mag_.absorb(turn, gyr_matrix_.sd(), snapshot_.gyr.norm_sd)) return false;
   mag_.publish(snapshot_.mag);
   name_fault(2);
   ++snapshot_.version;
