@@ -90,8 +90,10 @@ FieldFilter::Verdict FieldFilter::update(const Pair& pair) noexcept {
   const Mat3 S = h * Ph + own * Mat3::Identity() + turned;
   const Mat3 S_inv = S.inverse();
   if (!S_inv.allFinite() || !e.allFinite()) return Verdict::kWorldChanged;
-  const bool rejected = e.dot(S_inv * e) > kGate;
-  const double limit = kGate * S.trace() / 3.0;  // one gross misfit must not make the next ones look small
+  // A place as uneven as was assumed at first is no change, however even it was until now.
+  const Mat3 S_first = S + std::max(0.0, squared(params_.place_uT) - own) * Mat3::Identity();
+  const bool rejected = e.dot(S_first.inverse() * e) > kGate;
+  const double limit = kGate * S_first.trace() / 3.0;  // one gross misfit must not make the next ones look small
   const double misfit = std::min(e.squaredNorm(), limit);
   const Mat3 known = h * Ph;
   if (known.trace() < kStillLearning * (S - known).trace()) {
@@ -112,7 +114,8 @@ FieldFilter::Verdict FieldFilter::update(const Pair& pair) noexcept {
   // (F4) Noise averages out over pairs. The place does not: a hand comes back to the same spots in the same attitudes.
   // Nor does the gyroscope: its matrix is wrong in the same way in every turn.
   const Mat3 repeated = (params_.repeats - 1.0) * ((own - s_.white_uT2) * Mat3::Identity() + turned);
-  const Eigen::Matrix<double, kStates, 3> gain = Ph * Mat3(S + repeated).inverse();
+  const double surprise = std::max(1.0, e.dot(S_inv * e) / kGate);
+  const Eigen::Matrix<double, kStates, 3> gain = Ph * Mat3(surprise * S + repeated).inverse();
   x += gain * e;
   StateMat next = P - gain * Ph.transpose();
   next = (0.5 * (next + next.transpose())).eval();

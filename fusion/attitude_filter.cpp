@@ -279,6 +279,9 @@ void AttitudeFilter::rebase(const CalibrationSnapshot& from, const CalibrationSn
     if (to.mag.status == CalibrationStatus::kOk && mat(to.mag.bias_covariance).trace() > 0.0)
       calibrated_uT2 = mat(to.mag.matrix) * mat(to.mag.bias_covariance) * mat(to.mag.matrix).transpose();
     s_.hard_iron.rebase(K, c, calibrated_uT2);
+    // What was taken from the calibration is not carried any more, and it was too sure to be unlearnt by and by.
+    if (from.mag.status == CalibrationStatus::kOk && to.mag.status == CalibrationStatus::kReplaced)
+      s_.hard_iron.reset(params_.hard_iron);
     s_.iron_finder.rebase(K, c);
     s_.field.rescale(std::cbrt(std::abs(K.determinant())));
     s_.error.by_iron().leftCols<3>() *= K.inverse();
