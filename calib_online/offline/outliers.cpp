@@ -14,7 +14,8 @@ constexpr int kSpheres = 300;  // with one outlier in four, 0.32 of the quadrupl
 constexpr int kHalves = 100;   // three outliers: one half in eight holds none, a miss is 2e-6
 constexpr std::size_t kLeastLeft = 8;
 constexpr std::size_t kLeastToJudge = 18;
-constexpr double kHuber = 3.0;
+constexpr double kBorne = 3.0;  // sd; beyond, a reading counts less
+constexpr int kFalls = 3;       // power: the pull of what is far off ends, where Huber's would stay
 
 /// The same table gives the same answer.
 class Picks {
@@ -88,18 +89,19 @@ std::vector<double> norm_errors(std::span<const Vec3> readings, const Ellipsoid&
   return out;
 }
 
-std::vector<double> huber_weights(const std::vector<double>& errors) {
+std::vector<double> robust_weights(const std::vector<double>& errors) {
   std::vector<double> weights(errors.size(), 1.0);
   if (errors.size() < kLeastToJudge) return weights;
   const double n = static_cast<double>(errors.size());
   const double sd = std::max(1e-6, 1.4826 * median(errors) * std::sqrt(n / (n - 9.0)));
-  for (std::size_t i = 0; i < errors.size(); ++i) weights[i] = std::min(1.0, kHuber * sd / std::max(1e-12, errors[i]));
+  for (std::size_t i = 0; i < errors.size(); ++i)
+    weights[i] = std::pow(std::min(1.0, kBorne * sd / std::max(1e-12, errors[i])), kFalls);
   return weights;
 }
 
 std::vector<double> first_weights(std::span<const Vec3> readings, double norm_sd, const MapPrior& prior) {
   std::vector<double> errors(readings.size(), 0.0);
-  if (readings.size() < kLeastToJudge) return huber_weights(errors);
+  if (readings.size() < kLeastToJudge) return robust_weights(errors);
   const Mat3 C = norm_sd * norm_sd * Mat3::Identity();
   Picks picks(readings.size());
   double least = std::numeric_limits<double>::infinity();
@@ -112,7 +114,7 @@ std::vector<double> first_weights(std::span<const Vec3> readings, double norm_sd
     const double left = median(off);
     if (left < least) least = left, errors = off;
   }
-  return huber_weights(errors);
+  return robust_weights(errors);
 }
 
 }  // namespace stillpoint::calib

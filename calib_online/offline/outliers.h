@@ -16,9 +16,9 @@ namespace stillpoint::calib {
 /// | |K (x - centre)| - 1 | of each reading.
 [[nodiscard]] std::vector<double> norm_errors(std::span<const Vec3> readings, const Ellipsoid& e);
 
-/// min(1, 3 s/|e|) with the robust s = 1.4826 median |e|. All one for fewer than 18 readings: among so few, with nine
+/// min(1, 3 s/|e|)^3 with the robust s = 1.4826 median |e|. All one for fewer than 18 readings: among so few, with nine
 /// parameters, the one that fits worst need not be wrong.
-[[nodiscard]] std::vector<double> huber_weights(const std::vector<double>& errors);
+[[nodiscard]] std::vector<double> robust_weights(const std::vector<double>& errors);
 
 /// The same from the MAP fit, among those to random halves of the readings, that leaves the smallest median error.
 [[nodiscard]] std::vector<double> first_weights(std::span<const Vec3> readings, double norm_sd, const MapPrior& prior);

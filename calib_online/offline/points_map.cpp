@@ -88,7 +88,7 @@ PointsMap map_points(std::span<const Vec3> x, std::optional<double> noise_sd, do
     for (std::size_t i = 0; i < errors.size(); ++i) sum += weights[i] * errors[i] * errors[i];
     const double spare = static_cast<double>(x.size()) - kParameters;
     if (!noise_sd) sd = std::max(1e-6, std::sqrt(sum / std::max(1.0, spare)));
-    weights = huber_weights(errors);
+    weights = robust_weights(errors);
   }
   out.status = FitStatus::kOk;
   out.ellipsoid = fit.ellipsoid;
