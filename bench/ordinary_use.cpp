@@ -51,11 +51,14 @@ void OrdinaryUse::step(const Vec3& rate_body_radps) {
   RawSample s;
   s.t_ns = static_cast<std::int64_t>(std::llround(t_s_ * 1e9));
   s.has = static_cast<std::uint8_t>(kAcc | kGyr | kTemp | (has_mag_ ? kMag : 0));
-  const double limit = sensor_.acc_limit_mps2, lattice = sensor_.gyr_lattice_radps;
+  const double limit = sensor_.acc_limit_mps2;
+  const auto on_lattice = [](const Vec3& v, double step) {
+    return step > 0.0 ? Vec3(step * (v / step).array().round()) : v;
+  };
   const Vec3 acc = sensor_.H_acc.inverse() * (force + shaken) + acc_bias_mps2() + random_.normal3(kAccNoise_mps2);
-  s.acc_mps2 = array(Vec3(acc.cwiseMax(-limit).cwiseMin(limit)));
+  s.acc_mps2 = array(Vec3(on_lattice(acc, sensor_.acc_lattice_mps2).cwiseMax(-limit).cwiseMin(limit)));
   const Vec3 gyr = sensor_.H_gyr.inverse() * rate + gyr_bias_radps() + random_.normal3(kGyrNoise_radps);
-  s.gyr_radps = array(lattice > 0.0 ? Vec3(lattice * (gyr / lattice).array().round()) : gyr);
+  s.gyr_radps = array(on_lattice(gyr, sensor_.gyr_lattice_radps));
   s.mag_uT = array(Vec3(R_body_world * kField_uT + random_.normal3(kMagNoise_uT)));
   s.temp_degC = Surroundings::kTold_degC;
   if (const auto window = detector_.push(s, calibrator_.snapshot())) calibrator_.absorb(*window);

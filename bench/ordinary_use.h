@@ -15,8 +15,8 @@ struct UsedSensor {
   Mat3 H_acc = Mat3::Identity(), H_gyr = Mat3::Identity();
   Vec3 b_acc_mps2 = Vec3::Zero(), b_gyr_radps = Vec3::Zero();  ///< at 25 degC
   Vec3 b_acc_mps2_per_K = Vec3::Zero(), b_gyr_radps_per_K = Vec3::Zero();
-  double gyr_lattice_radps = 0.0;  ///< the step of its readings; none where it is zero
-  double acc_limit_mps2 = 1e9;     ///< its readings end there
+  double acc_lattice_mps2 = 0.0, gyr_lattice_radps = 0.0;  ///< the step of its readings; none where it is zero
+  double acc_limit_mps2 = 1e9;                             ///< its readings end there
   explicit UsedSensor(Random& random);
 };
 

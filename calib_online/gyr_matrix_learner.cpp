@@ -17,6 +17,7 @@ constexpr double kDirectionFloor = 0.002;   // rad, of a window's direction
 constexpr double kFactoryDirection = 0.03;  // rad, before the accelerometer is learnt
 constexpr double kMostCorrected_rad = 0.2;  // by a bias that became known on the way; beyond, it is no small angle
 constexpr double kRivalTimes = 10.0;        // of the prior's sd: a wrong range, another sensor
+constexpr double kBeyond = 28.0;            // chi-square of nine: one in a thousand
 constexpr double kPoor_rad = 0.012;         // of a turn, beside what the matrix does to it
 constexpr double kLatelyAtFirst =
     100.0;                             // of another sensor: ten times the sd, until its turns have shown how they fit
@@ -33,7 +34,7 @@ double squared(double v) { return v * v; }
 
 }  // namespace
 
-/// What one turn says: e = M (h - h_used) + noise.
+/// What one turn says of the matrix, from the one at which it was integrated.
 struct GyrMatrixLearner::Turn {
   Vec3 u_before, u_after;
   Mat3 R;  ///< v_before = R v_after
@@ -43,17 +44,28 @@ struct GyrMatrixLearner::Turn {
   double noise_scale = 1.0;
   double bias_var = 0.0;  ///< rad^2, what the bias leaves of the way
 
+  /// As it looks from another matrix: scales a third off turn a chord into another than its arc. Half the square of
+  /// what that matrix leaves open is what a linear measurement of it cannot say.
+  [[nodiscard]] Turn from(const GyroMatrixFit& fit) const noexcept {
+    Turn out = *this;
+    out.R = R * exp_quat(Vec3(J * (rows_of(fit.H) - rows_of(H_used)))).toRotationMatrix();
+    out.H_used = fit.H;
+    out.rotation_cov += squared(0.5 * (J * fit.covariance * J.transpose()).trace()) * Mat3::Identity();
+    return out;
+  }
   [[nodiscard]] Fit by(const GyroMatrixFit& fit) const noexcept {
-    const Vec3 predicted = R.transpose() * u_before;
+    const Turn turn = from(fit);
+    const Vec3 predicted = turn.R.transpose() * u_before;
     const Mat3 lever = skew(predicted);
     const Mat39 M = lever * J;
-    const Vec3 e = u_after - predicted - M * (rows_of(fit.H) - rows_of(H_used));
+    const Vec3 e = u_after - predicted;
     const Mat3 S = M * fit.covariance * M.transpose() + 2.0 * direction_var * Mat3::Identity() +
-                   lever * rotation_cov * lever.transpose();
+                   lever * turn.rotation_cov * lever.transpose();
     return {e.dot(S.inverse() * e), std::log(std::max(1e-300, S.determinant())), S.trace() / 3.0};
   }
-  void add_to(GyroMatrixSums& sums) const noexcept {
-    sums.add_direction(u_before, u_after, R, J, H_used, direction_var, rotation_cov);
+  void add_to(GyroMatrixSums& sums, const GyroMatrixFit& fit) const noexcept {
+    const Turn turn = from(fit);
+    sums.add_direction(u_before, u_after, turn.R, J, turn.H_used, direction_var, turn.rotation_cov);
   }
 };
 
@@ -75,6 +87,13 @@ GyroMatrixFit GyrMatrixLearner::fit(const GyroMatrixSums& sums, MatrixPrior prio
 
 GyroMatrixFit GyrMatrixLearner::published() const noexcept {
   return fit(s_.published, static_cast<MatrixPrior>(s_.wide));
+}
+
+/// No sensor of these axes: one of them is mirrored, or two are exchanged.
+bool GyrMatrixLearner::beyond_wide(const GyroMatrixFit& fit) const noexcept {
+  const Mat3 off = (fit.H - mat(factory_.matrix)) / kRivalTimes;
+  const double scales = off.diagonal().squaredNorm();
+  return scales / squared(params_.scale_sd) + (off.squaredNorm() - scales) / squared(params_.cross_sd) > kBeyond;
 }
 
 bool GyrMatrixLearner::absorb(const Window& w, const CalibrationSnapshot& used, double pushed_var) noexcept {
@@ -124,8 +143,8 @@ void GyrMatrixLearner::learn(const Turn& turn) noexcept {
   if (!poor) s_.lately = refused ? std::max(s_.lately, fits) : s_.lately + kLatelyShare * (fits - s_.lately);
   if (!poor && !refused) s_.noise.see(by_published.chi2 * turn.noise_scale, 3.0);
   if (poor) {
-    if (!refused) turn.add_to(s_.published);
-    if (rivalry_.is_open()) turn.add_to(s_.rival);
+    if (!refused) turn.add_to(s_.published, published());
+    if (rivalry_.is_open()) turn.add_to(s_.rival, fit(s_.rival, MatrixPrior::kWide));
     return;
   }
   if (rivalry_.is_open()) {
@@ -138,9 +157,10 @@ void GyrMatrixLearner::learn(const Turn& turn) noexcept {
   if (refused)
     ++s_.refused;
   else
-    turn.add_to(s_.published);
-  if (rivalry_.is_open()) turn.add_to(s_.rival);
-  if (rivalry_.verdict(kTurnsNeeded) == Rivalry::Verdict::kRivalWins) {
+    turn.add_to(s_.published, published());
+  if (rivalry_.is_open()) turn.add_to(s_.rival, fit(s_.rival, MatrixPrior::kWide));
+  if (rivalry_.verdict(kTurnsNeeded) == Rivalry::Verdict::kRivalWins &&
+      !beyond_wide(fit(s_.rival, MatrixPrior::kWide))) {
     s_.published = s_.rival;
     s_.lately = 1.0;
     s_.wide = static_cast<std::uint32_t>(MatrixPrior::kWide);

@@ -72,6 +72,7 @@ class GyrMatrixLearner {
   struct Turn;
   [[nodiscard]] GyroMatrixFit fit(const GyroMatrixSums& sums, MatrixPrior prior) const noexcept;
   [[nodiscard]] GyroMatrixFit published() const noexcept;
+  [[nodiscard]] bool beyond_wide(const GyroMatrixFit& fit) const noexcept;
   void learn(const Turn& turn) noexcept;
   [[nodiscard]] KnownTurn* best_fit(std::span<KnownTurn> turns) const noexcept;
   [[nodiscard]] bool scales_doubted(std::span<const KnownTurn> turns) const noexcept;

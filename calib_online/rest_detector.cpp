@@ -26,6 +26,7 @@ RestDetector::RestDetector(const Params& params)
     : params_(params), quarter_ns_(static_cast<std::int64_t>(params.window_s / kQuarters * kNsPerSecond)) {
   last_raw_.fill(Vec3::Zero());
   noisy_.fill({});
+  lattice_.fill(Vec3::Zero());
 }
 
 std::optional<Window> RestDetector::push(const RawSample& sample, const CalibrationSnapshot& calibration) noexcept {
@@ -164,7 +165,7 @@ void RestDetector::add(std::size_t w, const Array3& raw, const TriadCalibration&
       const double d = std::abs(step[axis]);
       if (d <= 1e-12) continue;
       keep_least(d, triad.least_step[axis]);
-      if (w == kGyrIndex) keep_least(d, gyr_lattice_radps_[axis]);
+      keep_least(d, lattice_[w][axis]);
     }
     ++triad.steps;
   }

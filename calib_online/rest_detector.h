@@ -153,7 +153,7 @@ class RestDetector {
   [[nodiscard]] bool rate_beyond_known_bias(const Evidence& e, const CalibrationSnapshot& calibration) const noexcept;
   Window make_window(const Evidence& e, Refusal rate, const CalibrationSnapshot& calibration) noexcept;
   void hand_on_rotation(Window& w, const CalibrationSnapshot& calibration) noexcept;
-  [[nodiscard]] Array3 gyr_rounding_var(const Summary& gyr) const noexcept;
+  [[nodiscard]] Array3 rounding_var(std::size_t triad) const noexcept;
   void keep_anchor(const Evidence& e, Refusal rate) noexcept;
 
   Params params_;
@@ -187,7 +187,7 @@ class RestDetector {
   Vec3 seen_turn_ = Vec3::Zero();  ///< rad/s; the last steady turn that gravity or field showed, zero when it is over
   /// Of each triad's axes, noisier at rest than its lattice: a reading that then does not change is no reading.
   std::array<std::array<bool, 3>, 3> noisy_{};
-  Vec3 gyr_lattice_radps_ = Vec3::Zero();  ///< the least step of its raw readings ever, moving or not
+  std::array<Vec3, 3> lattice_;  ///< the least step of each triad's raw readings ever, moving or not
   std::uint8_t told_stuck_ = 0, told_clipped_ = 0;
   Refusal last_refusal_ = Refusal::kFilling;
 };

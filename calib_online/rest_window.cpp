@@ -51,15 +51,15 @@ void RestDetector::keep_anchor(const Evidence& e, Refusal rate) noexcept {
 
 /// A mean of rounded readings is off by up to half a step, as long as one step of the bias would take; noise of sd s
 /// makes exp(-2 pi^2 s^2 / step^2) of that. What is seen of the noise holds what rounding adds to it.
-Array3 RestDetector::gyr_rounding_var(const Summary& gyr) const noexcept {
+Array3 RestDetector::rounding_var(std::size_t triad) const noexcept {
   constexpr double kRoundingInNoise = 1.0 / 6.0;  // of a squared step, at most where the mean is far off
   Array3 out{};
   for (int axis = 0; axis < 3; ++axis) {
-    const double step_sq = gyr_lattice_radps_[axis] * gyr_lattice_radps_[axis];
-    if (gyr.n == 0 || step_sq == 0.0) continue;
+    const double step_sq = lattice_[triad][axis] * lattice_[triad][axis];
+    if (step_sq == 0.0) continue;
     double noise = 0.0, noisiest = 0.0;  // of the quarters; one of them may hold the last step of a motion
     for (const Quarter& q : quarters_) {
-      const Triad& t = q.triad[kGyrIndex];
+      const Triad& t = q.triad[triad];
       const double of_quarter = t.raw_step_sq[axis] / (2.0 * std::max(1, t.steps) * step_sq);
       noise += of_quarter / (kQuarters - 1);
       noisiest = std::max(noisiest, of_quarter);
@@ -94,13 +94,15 @@ Window RestDetector::make_window(const Evidence& e, Refusal rate, const Calibrat
     const Vec3 u = e.use_still && k != kGyrIndex ? e.triad[k].mean_still : e.triad[k].mean;
     *means[k] = array(Vec3(H_inv * u + used[k]->bias_at(e.temp_degC)));
     *covs[k] = array(Mat3(H_inv * e.triad[k].cov * H_inv.transpose()));
+    // Gravity falls on another place of the lattice in each attitude; the offset of a gyroscope always on the same.
+    if (k == kAccIndex) mat(*covs[k]).diagonal() += vec(rounding_var(k));
   }
   for (const auto& q : quarters_) {
     w.samples += static_cast<std::uint32_t>(q.samples);
     if (q.temp_count > 0) w.has = static_cast<std::uint8_t>(w.has | kTemp);
   }
   w.turn_cov = array(e.turn_cov);
-  w.gyr_rounding_var = gyr_rounding_var(e.triad[kGyrIndex]);
+  if (e.triad[kGyrIndex].n > 0) w.gyr_rounding_var = rounding_var(kGyrIndex);
   w.stuck = told_stuck_ = e.stuck;
   w.clipped = told_clipped_ = e.clipped;
   hand_on_rotation(w, calibration);

@@ -54,6 +54,11 @@ Quantity gyr_matrix(const CalibrationRun& run) {
         "evidence contradicts: by the turns of --turn and --rate {} turns between rests are refused, without "
         "them {}; one of the stated angles may be another",
         q.refused, run.refused_without));
+  if (q.refused > q.used)
+    q.missing.push_back(
+        fmt::format("evidence contradicts: {} of {} turns are refused; an axis may be mirrored or two exchanged: see "
+                    "calibrate --mount",
+                    q.refused, q.refused + q.used));
   for (int axis = 0; axis < 3; ++axis) {
     const double sd = std::sqrt(std::max(0.0, run.gyr_matrix.covariance(4 * axis, 4 * axis)));
     if (sd > kScaleKnown)

@@ -59,6 +59,47 @@ TEST(OrdinaryUse, ThatAGyroscopeAgreedIsNoEvidenceOfItsSuccessor) {
   EXPECT_GE(inside, 0.98 * judged);
 }
 
+/// Eight bits over 2 g: a rest is off by up to half a step of 16 mg, whatever its noise.
+TEST(OrdinaryUse, WhatTheLatticeOfAnAccelerometerHidesIsStated) {
+  int inside = 0;
+  for (unsigned seed = 0; seed < 8; ++seed) {
+    OrdinaryUse life(seed, false);
+    life.sensor().acc_lattice_mps2 = 0.157;
+    life.handle(25);
+    const auto norm = life.judge().at("acc norm, m/s2");
+    inside += norm.error[0] < 3.0 * norm.stated[0] ? 1 : 0;
+    EXPECT_LT(norm.stated[0], 0.2) << seed;
+  }
+  EXPECT_EQ(inside, 8);
+}
+
+/// Seen from the factory's matrix a turn of its scale is another arc; seen from what is known by now it is not.
+TEST(OrdinaryUse, AScaleAThirdOffIsLearntAsWellAsAnyOther) {
+  double sq = 0.0;
+  for (unsigned seed = 0; seed < 4; ++seed) {
+    OrdinaryUse life(seed, false);
+    life.sensor().H_gyr *= 0.7;
+    life.handle(31);
+    const auto matrix = life.judge().at("gyr matrix");
+    EXPECT_LT(matrix.error[0], 3.0 * matrix.stated[0]);
+    sq += std::pow(matrix.error[0], 2) / 4.0;
+  }
+  EXPECT_LT(std::sqrt(sq), 0.0005);
+}
+
+/// No matrix near the factory's makes such turns: they are refused, and what is stated covers the mirror.
+TEST(OrdinaryUse, AMirroredAxisIsNotStatedToBeKnown) {
+  for (unsigned seed = 0; seed < 4; ++seed) {
+    OrdinaryUse life(seed, false);
+    life.sensor().H_gyr.col(2) *= -1.0;
+    life.handle(40);
+    const auto matrix = life.judge().at("gyr matrix");
+    EXPECT_LT(matrix.error[0], 3.0 * matrix.stated[0]) << seed;
+    EXPECT_GT(matrix.stated[0], 0.1) << seed;
+    EXPECT_GT(life.calibrator().state().gyr_matrix.refused, 20U) << seed;
+  }
+}
+
 /// A restart ends the attitude whose windows told of the lattice.
 TEST(OrdinaryUse, WhatTheLatticeHidesIsStatedAfterARestartToo) {
   OrdinaryUse life(57, false);
