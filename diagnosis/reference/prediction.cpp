@@ -94,7 +94,7 @@ void mute_lost_reference(Signals& s, const io::Recording& recording) {
         recording.ref_q_world_body[i].allFinite() && (!s.has_position || recording.ref_position_m[i].allFinite());
     if (!there) s.lost[i] = 1;
   }
-  mute_beside_lost(s, kReach);
+  for (Mask& muted : s.muted) mute_beside(s.lost, kReach, muted);
 }
 
 /// What the reference's own roughness leaves in the derivatives of which the readings are predicted: of the stamps of
@@ -182,14 +182,13 @@ void predict_readings(Signals& s, const Turns& q, const Motion& m) {
 
 }  // namespace
 
-void mute_beside_lost(Signals& s, Eigen::Index reach) {
-  const auto n = static_cast<Eigen::Index>(s.lost.size());
+void mute_beside(const Mask& lost, Eigen::Index reach, Mask& muted) {
+  const auto n = static_cast<Eigen::Index>(muted.size());
   Eigen::Index until = 0;
   for (Eigen::Index i = 0; i < n; ++i) {
-    if (!s.lost[static_cast<std::size_t>(i)]) continue;
+    if (!lost[static_cast<std::size_t>(i)]) continue;
     for (Eigen::Index k = std::max(until, i - reach); k <= std::min(i + reach, n - 1); ++k)
-      for (Mask& muted : s.muted)
-        if (!muted.empty()) muted[static_cast<std::size_t>(k)] = 1;
+      muted[static_cast<std::size_t>(k)] = 1;
     until = i + reach + 1;
   }
 }

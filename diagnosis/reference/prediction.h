@@ -9,7 +9,7 @@ namespace stillpoint::diag {
 /// Pre: the readings and the rest are there, the recording has quaternions.
 void predict(Signals& s, const io::Recording& recording, Eigen::Index rows_a_frame);
 
-/// Mutes what stands so many rows or fewer beside a row in which the reference was lost.
-void mute_beside_lost(Signals& s, Eigen::Index reach);
+/// Mutes what stands so many rows or fewer beside a lost one; nothing where the sensor has no rows.
+void mute_beside(const Mask& lost, Eigen::Index reach, Mask& muted);
 
 }  // namespace stillpoint::diag

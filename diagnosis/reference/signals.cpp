@@ -119,7 +119,8 @@ void choose_vectors(Signals& s) {
     for (Series3& axis : s.world_axis) {
       const double band_hz = band_of(axis);
       axis = limited_to(band_hz, axis);
-      mute_beside_lost(s, static_cast<Eigen::Index>(std::ceil(1.0 / (band_hz * s.dt_s))));  // of what bridges the gap
+      // The field is seen through these axes, and a filter carries what bridges a gap as far as this.
+      mute_beside(s.lost, static_cast<Eigen::Index>(std::ceil(1.0 / (band_hz * s.dt_s))), s.muted[kMag]);
     }
     if (s.has_position) s.position_m = limited(s.position_m);
     hold_what_keeps_still(s);
