@@ -53,6 +53,7 @@ void AttitudeFilter::turn_back() noexcept {
   s_.motion_scale.turn_back();
   s_.rate_bridge.interrupt();
   s_.sums = Sums{};
+  s_.error.pull() = {};
   s_.clock_started = false;
   params_.acc_lag_s *= -1.0;
 }
@@ -205,16 +206,19 @@ void AttitudeFilter::covariance_step() noexcept {
   noise.disturbance_rad = params_.heading_disturbance_rad;
   noise.disturbance_time_s = params_.heading_disturbance_time_s;
   s_.error.propagate(s_.sums.motion, noise);
+  s_.error.pull().pass(time_s);
   s_.x.disturbance_rad *= std::exp(-time_s / params_.heading_disturbance_time_s);
   hear_witnesses(time_s);
   measure_motion(time_s);
   s_.since_rest_s += time_s;
   s_.since_gyr_jump_s += time_s;
   s_.since_acc_jump_s += time_s;
-  if (s_.sums.moved)
+  if (s_.sums.moved) {
     s_.denied_rest = {};
-  else
+    end_insisting();
+  } else {
     measure_rest(time_s);
+  }
   if (s_.sums.moved) s_.unmagnetic_s += time_s;  // at rest nothing turns, so the last heading serves
   if (s_.sums.fields > 0) measure_field(time_s);
   s_.rate_bridge.observe(vec(s_.sums.rate_radps_s) / time_s, time_s);

@@ -206,6 +206,8 @@ class AttitudeFilter {
     double unmagnetic_s = 1e9;       ///< time since the last trusted one
     double rest_doubt_s = 0.0;       ///< for this long the rest detector is not believed
     double rest_denied_s = 0.0;      ///< for this long the gyroscope has denied it
+    double insisted_radps = 0.0;     ///< about the vertical: such a turn the rest detector alone has called an offset
+    double insisted_s = 0.0;         ///< for this long now
     double clipped_s = 0.0;          ///< of the gyroscope: for this long now
     double clip_slope_radps2 = 0.0;  ///< with which it came to its limit
     double unclipped_radps = 0.0;
@@ -243,6 +245,8 @@ class AttitudeFilter {
   void judge_jumps(double time_s) noexcept;
   void measure_rest(double time_s) noexcept;
   void relearn_bias(const Vec3& rate_radps) noexcept;
+  void doubt_insistence(double time_s) noexcept;
+  void end_insisting() noexcept;
   void doubt_motion(double time_s, double rest_speed2) noexcept;
   void doubt_tilt(double time_s) noexcept;
   void measure_field(double time_s) noexcept;

@@ -96,7 +96,10 @@ void AttitudeFilter::measure_rest(double time_s) noexcept {
     s_.denied_rest.note(vec(s_.sums.motion.force) / time_s, mat(s_.R_world_body) * rate, time_s);
     if (s_.rest_denied_s < kRestInsists_s && !s_.denied_rest.denies_gyroscope()) return;
     relearn_bias(rate);
+    s_.insisted_radps = mat(s_.R_world_body).row(2).dot(rate);
+    s_.insisted_s = s_.since_rest_s;
   }
+  doubt_insistence(time_s);
   s_.rest_denied_s = s_.since_rest_s = 0.0;
   s_.denied_rest = {};
   s_.rest_doubt_s -= time_s;
@@ -104,6 +107,7 @@ void AttitudeFilter::measure_rest(double time_s) noexcept {
   doubt_motion(time_s, speed2);
   doubt_tilt(time_s);
   s_.motion_scale.rest();
+  s_.error.pull().forget_tilt();
   for (int i = 0; i < 3; ++i) {
     const auto at = static_cast<std::size_t>(i);
     s_.error.update(kVelocity + i, -s_.x.velocity_mps[at], speed2);
@@ -122,7 +126,11 @@ void AttitudeFilter::doubt_motion(double time_s, double rest_speed2) noexcept {
   (void)s_.error.take_mean();  // what the velocity has corrected in this period
   s_.x.velocity_mps = {};
   const Vec3 lean = vec(s_.sums.motion.force) / (time_s * kStandardGravity_mps2);
-  for (int i = 0; i < 3; ++i) s_.error.forget(kVelocity + i, rest_speed2);
+  s_.x.position_m = {};  // where that velocity has led; the body is in the middle of a room again
+  for (int i = 0; i < 3; ++i) {
+    s_.error.forget(kVelocity + i, rest_speed2);
+    s_.error.forget(kPosition + i, params_.motion_radius_m * params_.motion_radius_m);
+  }
   for (int i = 0; i < 2; ++i)
     s_.error.forget(kTheta + i, s_.error.P()(kTheta + i, kTheta + i) + lean.head<2>().squaredNorm());
 }
@@ -137,6 +145,22 @@ void AttitudeFilter::relearn_bias(const Vec3& rate_radps) noexcept {
     s_.error.add_variance(kTheta + i, turned(i) * turned(i));
   }
   s_.rest_doubt_s = s_.since_gyr_jump_s = 0.0;
+}
+
+/// Of a turn about the vertical gravity says nothing. What the detector calls an offset may be a turntable: then the
+/// heading goes on turning with it.
+void AttitudeFilter::doubt_insistence(double time_s) noexcept {
+  const double until_s = s_.insisted_s + time_s;
+  s_.error.P()(kTheta + 2, kTheta + 2) +=
+      s_.insisted_radps * s_.insisted_radps * (until_s * until_s - s_.insisted_s * s_.insisted_s);
+  s_.insisted_s = until_s;
+}
+
+/// And the offset is what it was before.
+void AttitudeFilter::end_insisting() noexcept {
+  const Vec3 about = mat(s_.R_world_body).row(2) * s_.insisted_radps;
+  s_.error.P().block<3, 3>(kGyrBias, kGyrBias) += about * about.transpose();
+  s_.insisted_radps = 0.0;
 }
 
 /// At rest gravity shows the tilt itself: one that the covariance excludes is not known at all.
@@ -237,6 +261,7 @@ void AttitudeFilter::start_heading(const HeadingReading& reading) noexcept {
   weights(kDisturbance) = -1.0;
   s_.error.depend(kTheta + 2, weights);
   s_.heading_stress = 0.0;
+  s_.error.pull().forget_heading();
 }
 
 void AttitudeFilter::measure_heading(const HeadingReading& reading, double time_s) noexcept {

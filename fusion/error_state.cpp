@@ -11,6 +11,7 @@ void ErrorState::start(const ErrorVector& sd) noexcept {
   mean_.fill(0.0);
   by_iron_.fill(0.0);
   by_jump_.fill(0.0);
+  pull_ = {};
 }
 
 void ErrorState::propagate(const MotionSums& sums, const ProcessNoise& noise) noexcept {
@@ -60,6 +61,7 @@ void ErrorState::correct(const ErrorVector& Ph, double innovation, double s, con
   const ErrorVector scaled = Ph / s;
   P().noalias() -= scaled * Ph.transpose();
   Eigen::Map<ErrorVector>(mean_.data()) += scaled * innovation;
+  pull_.add(scaled.head<3>() * innovation, scaled.head<3>().cwiseProduct(Ph.head<3>()));
   by_iron().noalias() -= scaled * iron;
   by_jump().noalias() -= scaled * jump;
   for (int i = 0; i < kJumps; ++i) evidence_[static_cast<std::size_t>(i)].add(jump.segment<3>(3 * i), innovation, s);
@@ -120,6 +122,7 @@ void ErrorState::depend(int index, const ErrorVector& weights) noexcept {
 }
 
 void ErrorState::turn_world(const Mat3& by) noexcept {
+  pull_.turn_world(by);
   for (const int block : {kTheta, kVelocity, kPosition}) {
     P().middleRows<3>(block) = (by * P().middleRows<3>(block)).eval();
     P().middleCols<3>(block) = (P().middleCols<3>(block) * by.transpose()).eval();

@@ -6,6 +6,7 @@
 
 #include "core/types.h"
 #include "fusion/jump_evidence.h"
+#include "fusion/pull.h"
 
 namespace stillpoint::fusion {
 
@@ -72,6 +73,9 @@ class ErrorState {
   /// It has been, of this size and covariance.
   void believe_jump(int jump, const Vec3& size, const Mat3& covariance) noexcept;
 
+  [[nodiscard]] const Pull& pull() const noexcept { return pull_; }
+  [[nodiscard]] Pull& pull() noexcept { return pull_; }
+
   /// Variance of the tilt, rad^2: about both horizontal axes.
   [[nodiscard]] double tilt_rad2() const noexcept { return P()(kTheta, kTheta) + P()(kTheta + 1, kTheta + 1); }
 
@@ -93,7 +97,10 @@ class ErrorState {
   void update(int index, double z, double variance) noexcept;
 
   /// Adds variance to one error; what was known of its correlations stays.
-  void add_variance(int index, double variance) noexcept { P()(index, index) += variance; }
+  void add_variance(int index, double variance) noexcept {
+    P()(index, index) += variance;
+    if (index < kVelocity) pull_.doubt(index, variance);
+  }
   /// Forgets one error: its variance is set and its correlations are dropped. What a jump has done to it stays.
   void forget(int index, double variance) noexcept;
 
@@ -123,6 +130,7 @@ class ErrorState {
   std::array<double, kErrorStates * 4> by_iron_{};
   std::array<double, kErrorStates * 3 * kJumps> by_jump_{};
   std::array<JumpEvidence, kJumps> evidence_{};
+  Pull pull_;
 };
 
 static_assert(std::is_trivially_copyable_v<ErrorState>);

@@ -1,0 +1,66 @@
+/// How far the measurements have pulled the attitude away from where the gyroscope carried it. (A28) of
+/// docs/math/attitude.md.
+#pragma once
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <type_traits>
+
+#include "core/types.h"
+
+namespace stillpoint::fusion {
+
+/// A pull larger than the filter's own variances explain is a mistake, of the gyroscope or of whatever pulled: a car
+/// that accelerates, a field that bends. Which of the two nobody knows, so the attitude may be off by as much.
+class Pull {
+ public:
+  /// One correction about the world's axes [rad], and the variance that the filter expected of it.
+  void add(const Vec3& turned_rad, const Vec3& expected_rad2) noexcept {
+    vec(turned_rad_) += turned_rad;
+    vec(expected_rad2_) += expected_rad2;
+  }
+  /// Variance that a surprise has added: what it lets in is not explained by it.
+  void doubt(int axis, double variance_rad2) noexcept {
+    expected_rad2_[static_cast<std::size_t>(axis)] -= variance_rad2;
+  }
+  /// What was long ago has been made good by what came since.
+  void pass(double time_s) noexcept {
+    const double keep = std::exp(-time_s / kMemory_s);
+    vec(turned_rad_) *= keep;
+    vec(expected_rad2_) *= keep * keep;
+  }
+  /// The world's axes are turned.
+  void turn_world(const Mat3& by) noexcept { vec(turned_rad_) = by * Vec3(vec(turned_rad_)); }
+  /// Gravity at rest has shown the tilt itself.
+  void forget_tilt() noexcept { turned_rad_[0] = turned_rad_[1] = expected_rad2_[0] = expected_rad2_[1] = 0.0; }
+  /// Another heading has been taken.
+  void forget_heading() noexcept { turned_rad_[2] = expected_rad2_[2] = 0.0; }
+
+  /// What is not explained [rad^2, world axes]: the square of the pull, shrunk as (A16) does; no angle is off by more than any.
+  [[nodiscard]] Mat3 unexplained_rad2() const noexcept {
+    const auto& d = turned_rad_;
+    const auto& e = expected_rad2_;
+    const auto surprise = [&d, &e](std::size_t i) { return d[i] * d[i] / std::max(e[i], kLeast_rad2); };
+    const double tilt = share(2.0, surprise(0) + surprise(1));
+    const double heading = share(1.0, surprise(2));
+    Mat3 doubt = Mat3::Zero();
+    doubt.topLeftCorner<2, 2>() = tilt * std::min(1.0, kAny_rad2 / vec(d).head<2>().squaredNorm()) * vec(d).head<2>() *
+                                  vec(d).head<2>().transpose();
+    doubt(2, 2) = heading * std::min(kAny_rad2, d[2] * d[2]);
+    return doubt;
+  }
+
+ private:
+  static constexpr double kMemory_s = 120.0;  ///< so long a lift or a train keeps a body
+  static constexpr double kUsual = 4.0;       ///< times its mean: two deviations are no surprise
+  static constexpr double kLeast_rad2 = 1e-6;
+  static constexpr double kAny_rad2 = std::numbers::pi * std::numbers::pi / 3.0;  ///< any angle
+  static double share(double degrees, double chi2) noexcept {
+    return chi2 > 0.0 ? std::max(0.0, 1.0 - kUsual * degrees / chi2) : 0.0;
+  }
+  Array3 turned_rad_{}, expected_rad2_{};
+};
+
+static_assert(std::is_trivially_copyable_v<Pull>);
+
+}  // namespace stillpoint::fusion
