@@ -13,7 +13,6 @@ namespace {
 constexpr double kGate = 16.0;             // chi-square of three; beyond, a pair is set aside
 constexpr double kStillLearning = 2.0;     // a misfit mostly of the states is no verdict on what was learnt
 constexpr double kMemory = 0.98;           // of the misfits, a pair
-constexpr double kPriorPairs = 5.0;        // what the assumed unevenness of a place counts for
 constexpr double kChangeMemory = 0.9;      // of those that speak of a change
 constexpr double kExplained = 0.7;         // of the misfits' energy by one carried field: it turns with the body
 constexpr std::uint32_t kRunToChange = 6;  // pairs set aside lately
@@ -102,8 +101,7 @@ FieldFilter::Verdict FieldFilter::update(const Pair& pair) noexcept {
     ++s_.compared;
   }
   // (F5) The share of a misfit that is the pair's own and not that of the states.
-  s_.misfit_uT2 +=
-      std::max(1.0 - kMemory, 1.0 / (s_.compared + kPriorPairs)) * (misfit * own / S.trace() - s_.misfit_uT2);
+  s_.misfit_uT2 += (1.0 - kMemory) * (misfit * own / S.trace() - s_.misfit_uT2);
   note_misfit(e, lever, rejected);
   if (rejected) {
     const std::optional<Vec3> change = change_of_body();

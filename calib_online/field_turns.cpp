@@ -45,10 +45,8 @@ std::optional<FieldTurn> FieldTurnFinder::push(const RawSample& s, std::uint8_t 
     }
     const Quat at_reading = block_.turned * exp_quat(Vec3(-vec(mag_turn_rad)));
     const Vec3 u = at_reading * calibration.mag.apply(s.mag_uT, s.temp_degC);
-    const Vec3 step = vec(s.mag_uT) - block_.last;
-    if (block_.count > 1) block_.bend_sq += (step - block_.last_step).squaredNorm();
-    block_.last = vec(s.mag_uT);
-    block_.last_step = step;
+    if (block_.count > 0) block_.step_sq += (u - block_.last).squaredNorm();
+    block_.last = u;
     block_.sum += u;
     block_.turned_sum += log_quat(at_reading);
     ++block_.count;
@@ -79,8 +77,8 @@ std::optional<FieldTurn> FieldTurnFinder::close_block(const RawSample& s,
   const Vec3 now = first_middle.conjugate() * block_.sum / block_.count;
   const Array3 mean_uT =
       array(Vec3(mat(calibration.mag.matrix).inverse() * now + calibration.mag.bias_at(s.temp_degC)));
-  // A sixth of the mean square second difference, over three axes, is the variance of a reading.
-  const double noise_uT2 = block_.count > 2 ? block_.bend_sq / (18.0 * (block_.count - 2) * block_.count) : 0.0;
+  // Half the mean square step over three axes is the variance of a reading.
+  const double noise_uT2 = block_.count > 1 ? block_.step_sq / (6.0 * (block_.count - 1) * block_.count) : 0.0;
   block_ = Block{};
   std::optional<FieldTurn> out;
   if (anchor_.set && s.t_ns - anchor_.t_ns < kApart_ns) return out;

@@ -38,8 +38,8 @@ class FieldTurnFinder {
   struct Block {              ///< readings of a tenth of a second
     Vec3 sum = Vec3::Zero();  ///< calibrated, turned to the block's first sample
     int count = 0;
-    Vec3 last = Vec3::Zero(), last_step = Vec3::Zero();  ///< of the readings as they are
-    double bend_sq = 0.0;  ///< of their second differences: noise without turns, whatever the body carries
+    Vec3 last = Vec3::Zero();
+    double step_sq = 0.0;  ///< of the differences of successive readings: noise without slow parts
     std::int64_t t_start_ns = 0;
     Quat turned = Quat::Identity();  ///< v_first = R(turned) v_now
     Vec3 turned_sum = Vec3::Zero();  ///< of the rotation vectors at the readings

@@ -36,7 +36,8 @@ class Pull {
   /// Another heading has been taken.
   void forget_heading() noexcept { turned_rad_[2] = expected_rad2_[2] = 0.0; }
 
-  /// What is not explained [rad^2, world axes]: the square of the pull, shrunk as (A16) does; no angle is off by more than any.
+  /// What is not explained [rad^2, world axes]: the square of the pull, shrunk as (A16) does; no angle is off by more
+  /// than any.
   [[nodiscard]] Mat3 unexplained_rad2() const noexcept {
     const auto& d = turned_rad_;
     const auto& e = expected_rad2_;

@@ -2,11 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include <Eigen/LU>
-#include <numbers>
-
 #include "calib_online/online_calibrator.h"
-#include "calib_online/rest_detector.h"
 #include "core/units.h"
 #include "tests/calib_online/synthetic.h"
 
@@ -85,30 +81,6 @@ TEST(FieldTurns, TheIronOfABoardIsLearntAndIsNoOtherSensor) {
   field.run(320.0, restless());
   ASSERT_EQ(field.mag().status, CalibrationStatus::kOk) << field.turns << " turns";
   EXPECT_LT(field_error_uT(board, field.mag()), 1.0);
-}
-
-/// Taken up, turned and laid down forty-five times, in a room without iron: two turns of the field each time.
-TEST(FieldTurns, OrdinaryHandlingIsEnough) {
-  test::Motion handled;
-  handled.rate_radps = [](double t) {
-    const double k = std::floor(t / 6.0), u = (t - 6.0 * k) / 1.5;
-    if (u > 1.0) return Vec3(Vec3::Zero());
-    const Vec3 axis = Vec3(std::sin(12.9 * k), std::sin(78.2 * k + 1.0), std::sin(37.7 * k + 2.0)).normalized();
-    return Vec3(2.4 * (1.0 - std::cos(2.0 * std::numbers::pi * u)) * 0.5 * axis);
-  };
-  test::Synthetic source(iron(), 9);
-  FieldTurnFinder finder;
-  RestDetector detector;
-  OnlineCalibrator calibrator{{}, CalibrationSnapshot{}};
-  source.run(270.0, handled, [&](const RawSample& s) {
-    if (const auto window = detector.push(s, calibrator.snapshot())) calibrator.absorb(*window);
-    if (const auto turn = finder.push(s, 0, calibrator.snapshot())) calibrator.absorb(*turn);
-  });
-  const TriadCalibration& mag = calibrator.snapshot().mag;
-  ASSERT_EQ(mag.status, CalibrationStatus::kOk) << mag.windows << " turns";
-  const Vec3 off = vec(mag.bias) - iron().b_mag;
-  EXPECT_LT(off.dot(mat(mag.bias_covariance).inverse() * off), 16.0);
-  EXPECT_LT(off.norm(), 0.5);
 }
 
 TEST(FieldTurns, AGoodCalibrationStaysAndSaysSo) {
