@@ -34,6 +34,7 @@ AttitudeEstimate in_ned(const AttitudeEstimate& enu) noexcept {
   const double h = 0.70710678118654752440;
   ned.q_world_body = array(Quat(0, h, h, 0) * quat(enu.q_world_body) * Quat(0, 1, 0, 0));
   ned.covariance_world_rad2 = array(Mat3(kNedFromEnu * mat(enu.covariance_world_rad2) * kNedFromEnu.transpose()));
+  ned.unexplained_rad2 = array(Mat3(kNedFromEnu * mat(enu.unexplained_rad2) * kNedFromEnu.transpose()));
   ned.rate_body_radps = frd(enu.rate_body_radps);
   ned.gyro_bias_radps = frd(enu.gyro_bias_radps);
   return ned;

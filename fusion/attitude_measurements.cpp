@@ -126,11 +126,7 @@ void AttitudeFilter::doubt_motion(double time_s, double rest_speed2) noexcept {
   (void)s_.error.take_mean();  // what the velocity has corrected in this period
   s_.x.velocity_mps = {};
   const Vec3 lean = vec(s_.sums.motion.force) / (time_s * kStandardGravity_mps2);
-  s_.x.position_m = {};  // where that velocity has led; the body is in the middle of a room again
-  for (int i = 0; i < 3; ++i) {
-    s_.error.forget(kVelocity + i, rest_speed2);
-    s_.error.forget(kPosition + i, params_.motion_radius_m * params_.motion_radius_m);
-  }
+  for (int i = 0; i < 3; ++i) s_.error.forget(kVelocity + i, rest_speed2);
   for (int i = 0; i < 2; ++i)
     s_.error.forget(kTheta + i, s_.error.P()(kTheta + i, kTheta + i) + lean.head<2>().squaredNorm());
 }

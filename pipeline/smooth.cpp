@@ -48,8 +48,9 @@ double stated_rad2(const Smoothed& pass) {
 fusion::AttitudeEstimate fused(const fusion::AttitudeEstimate& forward,
                                const fusion::AttitudeEstimate& backward) noexcept {
   fusion::AttitudeEstimate out = forward;
-  const Mat3 P = mat(forward.covariance_world_rad2);
-  Mat3 Q = mat(backward.covariance_world_rad2);
+  const Mat3 pulled = mat(forward.unexplained_rad2), pulled_back = mat(backward.unexplained_rad2);
+  const Mat3 P = mat(forward.covariance_world_rad2) - pulled;
+  Mat3 Q = mat(backward.covariance_world_rad2) - pulled_back;
   Quat turn = quat(backward.q_world_body) * quat(forward.q_world_body).conjugate();
   if (backward.heading == HeadingReference::kRelative) {
     turn = Quat(Eigen::AngleAxisd(-2.0 * std::atan2(turn.z(), turn.w()), Vec3::UnitZ())) * turn;
@@ -64,7 +65,9 @@ fusion::AttitudeEstimate fused(const fusion::AttitudeEstimate& forward,
   Mat3 told = 2.0 * (P - gain * P);
   for (const Mat3& alone : {P, Q})
     if (alone.trace() < told.trace()) told = alone;
-  out.covariance_world_rad2 = array(told);
+  const Mat3 kept = Mat3::Identity() - gain;
+  out.unexplained_rad2 = array(Mat3(kept * pulled * kept.transpose() + gain * pulled_back * gain.transpose()));
+  out.covariance_world_rad2 = array(Mat3(told + mat(out.unexplained_rad2)));
   fusion::set_sigmas(out);
   return out;
 }

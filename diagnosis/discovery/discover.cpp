@@ -78,8 +78,7 @@ struct Discovered {
 
 /// Whether its numbers are known as a whole. A factor that hardly varies here - the field, gravity in one attitude -
 /// leaves a matrix open that fits all the same; in every other attitude it would be another law.
-bool is_determined(const SensorSearch& search, const Found& law) {
-  const Fit fit = fit_beside(search, law);
+bool is_determined(const Fit& fit, const Found& law) {
   const auto count = static_cast<Eigen::Index>(law.columns.size());
   const double variance = fit.covariance.diagonal().tail(count).cwiseMax(0.0).sum();
   return std::sqrt(variance) < kMostOpen * fit.theta.tail(count).norm();
@@ -87,8 +86,8 @@ bool is_determined(const SensorSearch& search, const Found& law) {
 
 /// Whether beside it the numbers that were there before become others: one that was found does several times as much,
 /// or the matrix is another sensor's. Each takes back what the other does, in a motion in which they are nearly one.
-bool moves_the_others(const SensorSearch& search, const Found& law) {
-  const Fit before = fit_profile(search.beside_walk(), search.explained()), beside = fit_beside(search, law);
+bool moves_the_others(const SensorSearch& search, const Fit& beside) {
+  const Fit before = fit_profile(search.beside_walk(), search.explained());
   const auto matrix_of = [](const Fit& fit) {
     return Eigen::Map<const Eigen::Matrix<double, 4, 3>>(fit.nuisance.data()).bottomRows<3>().cwiseAbs().maxCoeff();
   };
@@ -109,8 +108,9 @@ bool leaves_more(const HeldOut& h) { return h.gain_nats < 0.0 || h.rms_after > k
 
 /// What would not be stated must not stand in the place of what would.
 bool may_be_stated(const Signals& s, const SensorSearch& search, const Found& law) {
-  if (!is_separable(s, search.sensor, law.columns) || !varies(search, law) || !is_determined(search, law)) return false;
-  if (moves_the_others(search, law)) return false;
+  if (!is_separable(s, search.sensor, law.columns) || !varies(search, law)) return false;
+  if (const Fit beside = fit_beside(search, law); !is_determined(beside, law) || moves_the_others(search, beside))
+    return false;
   if (as_small_as_wandering(s, search, law) && !stands_beside_wandering(s, search, law)) return false;
   SensorSearch with = search;
   with.found.push_back(law);

@@ -20,9 +20,9 @@ constexpr double kOwnPhaseNats = 8.0;    // phases of their own that are worth t
 constexpr int kRefinements = 24;
 constexpr double kTaper = 0.1;                      // of a stretch, at either end
 constexpr double kOverNear = 0.3 * kLeastOverMean;  // a resonance or the motion itself is broad, a line is not
+constexpr Eigen::Index kNear = 12;                  // bins on either side that say so
 constexpr double kSameLine = 2.0;                   // bins
 constexpr double kSpeedsShare = 0.3;                // of its speed, that an engine changes by
-constexpr Eigen::Index kNear = 12;                  // bins on either side that say so
 constexpr double kSameFrequency =
     0.25;  // of a bin: nearer to half the rate the recording cannot tell a line from a flip
 
@@ -82,7 +82,7 @@ Found flip(const Target& t) {
   return f;
 }
 
-double bin_width_Hz(const Series3& x, double step_s) { return 1.0 / (static_cast<double>(x.rows()) * step_s); }
+double bin_width_Hz(Eigen::Index rows, double step_s) { return 1.0 / (static_cast<double>(rows) * step_s); }
 
 struct Peak {
   double frequency_Hz = 0.0, over_background = 0.0;
@@ -91,9 +91,11 @@ struct Peak {
 /// The strongest bin of these rows that stands alone.
 Peak strongest_line(const Series3& left, double step_s) {
   const Series power = over_background(left);
-  const double bin_Hz = bin_width_Hz(left, step_s);
+  const double bin_Hz = bin_width_Hz(left.rows(), step_s);
+  const auto lowest = static_cast<Eigen::Index>(std::ceil(kLowest_Hz / bin_Hz));
   Peak best;
-  for (auto at = static_cast<Eigen::Index>(std::ceil(kLowest_Hz / bin_Hz)); at < power.size(); ++at) {
+  if (power.size() < lowest + kBand) return best;
+  for (Eigen::Index at = lowest; at < power.size(); ++at) {
     if (power[at] < std::max(kLeastOverMean, best.over_background)) continue;
     const Eigen::Index near = std::max<Eigen::Index>(at - kNear, 0), far = std::min(at + kNear, power.size() - 1);
     std::vector<double> around(power.data() + near, power.data() + far + 1);
@@ -116,8 +118,8 @@ std::optional<Peak> sharpest(const Series3& left, const Series& t_s, double step
   Peak best;
   for (const Eigen::Index parts : {1, 2, 4}) {
     const Eigen::Index rows = left.rows() / parts, hop = std::max<Eigen::Index>(rows / 2, 1);
-    if (rows < 4 * kBand) break;
-    const double bin_Hz = 1.0 / (static_cast<double>(rows) * step_s);
+    if (parts > 1 && rows < 4 * kBand) break;
+    const double bin_Hz = bin_width_Hz(rows, step_s);
     std::vector<Peak> found;
     for (Eigen::Index first = 0; first + rows <= left.rows(); first += hop) {
       const Series3 part = left.middleRows(first, rows);
@@ -192,7 +194,7 @@ std::optional<Found> line_in(const Signals& s, const SensorSearch& search) {
   const auto peak = sharpest(left, search.t_s, plain.rows.step_s);
   if (!peak) return std::nullopt;
   Found f;
-  const double bin_Hz = bin_width_Hz(left, plain.rows.step_s), half_rate_Hz = 0.5 / plain.rows.step_s;
+  const double bin_Hz = bin_width_Hz(left.rows(), plain.rows.step_s), half_rate_Hz = 0.5 / plain.rows.step_s;
   double frequency_Hz = peak->frequency_Hz;
   const Window window = stretch_of_line(left, plain.layout, search.t_s, frequency_Hz, plain.rows.step_s);
   if (window.local) {

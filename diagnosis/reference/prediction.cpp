@@ -86,15 +86,16 @@ double jitter_without_rest(const Turns& rows, Eigen::Index rows_a_frame) {
 }
 
 /// Where the reference was lost, and beside it as far as its differences reach, nothing can be compared.
-void mute_lost_reference(Signals& s, const io::Recording& recording) {
+Mask mute_lost_reference(Signals& s, const io::Recording& recording) {
   constexpr Eigen::Index kReach = kStencilReach + 1;
-  s.lost.assign(static_cast<std::size_t>(s.n), 0);
-  for (std::size_t i = 0; i < s.lost.size(); ++i) {
+  Mask lost(static_cast<std::size_t>(s.n), 0);
+  for (std::size_t i = 0; i < lost.size(); ++i) {
     const bool there =
         recording.ref_q_world_body[i].allFinite() && (!s.has_position || recording.ref_position_m[i].allFinite());
-    if (!there) s.lost[i] = 1;
+    if (!there) lost[i] = 1;
   }
-  for (Mask& muted : s.muted) mute_beside(s.lost, kReach, muted);
+  for (Mask& muted : s.muted) mute_beside(lost, kReach, muted);
+  return lost;
 }
 
 /// What the reference's own roughness leaves in the derivatives of which the readings are predicted: of the stamps of
@@ -193,8 +194,8 @@ void mute_beside(const Mask& lost, Eigen::Index reach, Mask& muted) {
   }
 }
 
-void predict(Signals& s, const io::Recording& recording, Eigen::Index rows_a_frame) {
-  mute_lost_reference(s, recording);
+Mask predict(Signals& s, const io::Recording& recording, Eigen::Index rows_a_frame) {
+  Mask lost = mute_lost_reference(s, recording);
   const Turns given_q = turns_of(recording), q = bridged(given_q);
   const Series3 given_p = places_of(recording), p = bridged(given_p);
   s.rows = times_of_rows(s.t_s, s.dt_s, given_q, given_p);
@@ -216,6 +217,7 @@ void predict(Signals& s, const io::Recording& recording, Eigen::Index rows_a_fra
                     of_stamps);
   if (!s.exact_reference) hold_still_at_rest(s.rest, m);
   predict_readings(s, q, m);
+  return lost;
 }
 
 }  // namespace stillpoint::diag

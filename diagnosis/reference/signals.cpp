@@ -106,7 +106,7 @@ void hold_what_keeps_still(Signals& s) {
 
 /// Which signal stands for the true vector: a noiseless reference; else the sensor itself, which is quieter than a
 /// differentiated camera, in the band where things move.
-void choose_vectors(Signals& s) {
+void choose_vectors(Signals& s, const Mask& lost) {
   const double highest = std::min(kMotionBand_Hz, 0.2 / s.dt_s);
   const auto band_of = [&](const Series3& x) {
     return motion_band_hz(x, s.rest, s.dt_s, kMotionOverNoise, 1.5, highest);
@@ -120,7 +120,7 @@ void choose_vectors(Signals& s) {
       const double band_hz = band_of(axis);
       axis = limited_to(band_hz, axis);
       // The field is seen through these axes, and a filter carries what bridges a gap as far as this.
-      mute_beside(s.lost, static_cast<Eigen::Index>(std::ceil(1.0 / (band_hz * s.dt_s))), s.muted[kMag]);
+      mute_beside(lost, static_cast<Eigen::Index>(std::ceil(1.0 / (band_hz * s.dt_s))), s.muted[kMag]);
     }
     if (s.has_position) s.position_m = limited(s.position_m);
     hold_what_keeps_still(s);
@@ -189,7 +189,7 @@ Result<Signals> make_signals(const io::Recording& recording, const sim::Simulati
   s.has_orientation = !recording.ref_q_world_body.empty();
   s.has_position = !recording.ref_position_m.empty();
   if (!s.has_orientation) return s;
-  predict(s, recording, rows_a_frame);
+  const Mask lost = predict(s, recording, rows_a_frame);
   if (log != nullptr) take_prediction(s, *log);
   for (int k = 0; k < kSensors; ++k) {
     if (!s.present[k]) continue;
@@ -200,7 +200,7 @@ Result<Signals> make_signals(const io::Recording& recording, const sim::Simulati
          ++i)  // without a position, only rest says what the accelerometer should read
       if (!s.rest[i]) s.muted[k][i] = 1;
   }
-  choose_vectors(s);
+  choose_vectors(s, lost);
   return s;
 }
 

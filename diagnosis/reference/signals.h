@@ -56,7 +56,6 @@ struct Signals {
   Series3 vibration;  ///< <f_hf^2> of the catalogue, (m/s^2)^2; empty: sampled too slowly, or no vibration there
   std::map<std::string, Series> user;  ///< further columns of the recording, by their names
   Mask rest;
-  Mask lost;  ///< rows without the reference
   std::vector<std::string> notices;
 
   [[nodiscard]] double duration_s() const { return static_cast<double>(n) * dt_s; }

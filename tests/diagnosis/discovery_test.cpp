@@ -21,14 +21,11 @@ namespace stillpoint::diag {
 namespace {
 
 sim::SimulationConfig with_law(const std::string& effects) {
-  const auto config = io::parse_simulation(
+  return test::parsed(
       "rate_hz: 50\naccelerometer: {noise_mps2: 0.01}\ngyroscope: {noise_radps: 0.0005}\n"
       "magnetometer: {noise_uT: 0.2}\nmotion: {kind: hand, duration_s: 60}\n"
       "environment: {temperature: {kind: warm_up, rise_K: 15}, current: {kind: steps}}\neffects:\n" +
-          effects,
-      "sim.yaml");
-  EXPECT_TRUE(config) << (config ? "" : config.error().message);
-  return config.value_or(sim::SimulationConfig{});
+      effects);
 }
 
 io::Recording recording_of(const sim::SimulationConfig& config, std::uint64_t seed) {

@@ -1,7 +1,6 @@
 /// A motion in which two laws, or a law and the matrix, are nearly one: what is stated of it holds in another motion.
 #include <gtest/gtest.h>
 
-#include "io/simulation_yaml.h"
 #include "tests/diagnosis/simulated.h"
 
 namespace stillpoint::diag {
@@ -9,15 +8,12 @@ namespace {
 
 /// A boat rolls and heaves a little about one attitude: force, place and the vertical go along with each other.
 sim::SimulationConfig on_a_boat(const std::string& effects) {
-  const auto config = io::parse_simulation(
+  return test::parsed(
       "rate_hz: 50\naccelerometer: {noise_mps2: 0.004}\ngyroscope: {noise_radps: 0.0002}\n"
       "magnetometer: {noise_uT: 0.03}\nmotion: {kind: boat, duration_s: 60}\n"
       "reference: {kind: mocap, orientation_sd_rad: 0.0006, position_sd_m: 0.0001, band_hz: 5}\n"
       "environment: {temperature: {kind: warm_up, rise_K: 15}}\neffects: " +
-          effects,
-      "sim.yaml");
-  EXPECT_TRUE(config) << (config ? "" : config.error().message);
-  return config.value_or(sim::SimulationConfig{});
+      effects);
 }
 
 double rms_between(const std::vector<Vec3>& a, const std::vector<Vec3>& b) {

@@ -5,8 +5,11 @@
 #include <string>
 #include <vector>
 
+#include <gtest/gtest.h>
+
 #include "diagnosis/diagnose.h"
 #include "io/simulated_recording.h"
+#include "io/simulation_yaml.h"
 
 namespace stillpoint::diag::test {
 
@@ -23,6 +26,13 @@ inline sim::SimulationConfig baseline(const std::string& reference, double durat
   s.motion->duration_s = duration_s;
   s.reference.kind = reference;
   return s;
+}
+
+/// A simulation as users write it.
+inline sim::SimulationConfig parsed(const std::string& yaml) {
+  const auto config = io::parse_simulation(yaml, "sim.yaml");
+  EXPECT_TRUE(config) << (config ? "" : config.error().message);
+  return config.value_or(sim::SimulationConfig{});
 }
 
 /// The recording of `config` with one effect more; none when `id` is empty.
