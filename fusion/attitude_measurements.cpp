@@ -75,7 +75,7 @@ void AttitudeFilter::judge_jumps(double time_s) noexcept {
     s_.jumps.restart(s_.error);
     return;
   }
-  const OffsetJumps::Verdict verdict = s_.jumps.observe(s_.error, time_s);
+  const OffsetJumps::Verdict verdict = s_.jumps.observe(s_.error, mat(s_.R_world_body).row(2), time_s);
   if (verdict == OffsetJumps::Verdict::kGyroscope) s_.since_gyr_jump_s = 0.0;
   if (verdict == OffsetJumps::Verdict::kAccelerometer) s_.since_acc_jump_s = 0.0;
 }

@@ -16,6 +16,9 @@ constexpr double kLargest = 1e8;    ///< ten thousand times the usual speed
 constexpr double kForceTime_s = 2.0;
 constexpr double kForceNoise_mps2 = 0.15;  ///< offset of an accelerometer, and what two seconds leave of a motion
 constexpr double kMostOdds = 6.0;          ///< log; nothing is certain
+constexpr double kLasting_s = 5.0;         ///< no hand accelerates for longer
+constexpr double kLastingLean = 0.3;       ///< of what is called a long acceleration, so much is a lean
+constexpr double kUsual = 8.0;             ///< of a chi-square of two: no surprise
 constexpr double kVehicleOdds = -3.5;      ///< log; one body in thirty is carried by a vehicle
 constexpr double kLeastTilt_rad2 = 1e-4;   ///< half a degree: no filter is surer of its tilt in motion
 constexpr double kSwing_s = 1.0;           ///< slower than a stride or a stroke of the arm
@@ -41,6 +44,13 @@ double MotionScale::vehicle(double lean2, double tilt_rad2) const noexcept {
   // A lean that the filter's own variance makes unlikely is likelier a vehicle: Bayes, with the force's odds.
   const double unlike_lean = std::min(kMostOdds, 0.5 * lean2 / (tilt_rad2 + kLeastTilt_rad2));
   return 1.0 / (1.0 + std::exp(-(log_odds_ + unlike_lean + kVehicleOdds)));
+}
+
+Mat3 MotionScale::leaning_rad2(double tilt_rad2) const noexcept {
+  const auto& f = lasting_force_mps2_;
+  const Vec3 lean = Vec3(f[1], -f[0], 0.0) / kStandardGravity_mps2;
+  const double surprise = lean.squaredNorm() / (tilt_rad2 + kLeastTilt_rad2);
+  return kLastingLean * std::max(0.0, 1.0 - kUsual / surprise) * lean * lean.transpose();
 }
 
 void MotionScale::follow_swing(const Seen& seen, double usual_mps, double period_s) noexcept {
@@ -72,6 +82,8 @@ void MotionScale::weigh(const std::array<double, 3>& force_mps2, double period_s
 
 double MotionScale::observe(const Seen& seen, const Usual& usual, double period_s) noexcept {
   weigh(seen.force_mps2, period_s);
+  for (std::size_t i = 0; i < 2; ++i)
+    lasting_force_mps2_[i] += std::min(1.0, period_s / kLasting_s) * (seen.force_mps2[i] - lasting_force_mps2_[i]);
   follow_swing(seen, usual.speed_mps, period_s);
   const double blend = 1.0 - std::exp(-period_s / (kMeanOver * usual.time_s * time()));
   // Of a first-order process the mean with this memory keeps 1 / (1 + kMeanOver) of the variance.

@@ -3,6 +3,8 @@
 #pragma once
 #include <array>
 
+#include "core/types.h"
+
 namespace stillpoint::fusion {
 
 /// Horizontal motion as the parameters state it - speed s, correlation time t, distance r - with s^2 grown by a
@@ -30,6 +32,10 @@ class MotionScale {
   /// Time runs the other way from here.
   void turn_back() noexcept;
 
+  /// (A30) Variance of the tilt [rad^2, world axes] that stands for the other answer: a force that has long been
+  /// horizontal and is called an acceleration, where the attitude leans. `tilt_rad2` is what else is known of the tilt.
+  [[nodiscard]] Mat3 leaning_rad2(double tilt_rad2) const noexcept;
+
   [[nodiscard]] double speed2() const noexcept { return scale_ * swing_; }            ///< factor of s^2
   [[nodiscard]] double time() const noexcept;                                         ///< factor of t
   [[nodiscard]] double radius2() const noexcept { return scale_ * scale_ * swing_; }  ///< factor of r^2
@@ -45,6 +51,7 @@ class MotionScale {
   std::array<double, 2> slow_velocity_mps_{};  ///< over one swing
   std::array<double, 2> mean_velocity_mps_{};  ///< over twice the correlation time
   std::array<double, 3> mean_force_mps2_{};
+  std::array<double, 2> lasting_force_mps2_{};
   double force_s_ = 0.0;
   double log_odds_ = 0.0;  ///< vehicle over leaning tilt
 };

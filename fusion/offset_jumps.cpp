@@ -15,6 +15,8 @@ constexpr double kLeast_mps2 = 0.5;       ///< and three degrees of tilt
 constexpr double kLeastUsual = 0.8;       ///< a motion that the parameters call too lively by far
 constexpr double kRemembered = 30.0;      ///< windows
 constexpr double kForceIsNoOffset = 8.0;  ///< accelerations last, and a wrong scale leans with the attitude
+constexpr double kSpread = 0.02;          ///< of the vertical in the body: eight degrees
+constexpr double kUnlikelyAlike = 20.0;   ///< of a body that does not turn an acceleration says the same
 constexpr double kPriorSurprise = 7.0;    ///< twice the log odds against a jump in a window: one in thirty-three
 
 constexpr bool of_gyroscope(int jump) { return jump % 2 == 0; }
@@ -56,8 +58,10 @@ void OffsetJumps::end_windows(ErrorState& error, double period_s) noexcept {
   }
 }
 
-OffsetJumps::Verdict OffsetJumps::observe(ErrorState& error, double period_s) noexcept {
+OffsetJumps::Verdict OffsetJumps::observe(ErrorState& error, const Vec3& up_body, double period_s) noexcept {
   end_windows(error, period_s);
+  const bool first = mean_up_ == Array3{};
+  vec(mean_up_) += (first ? 1.0 : period_s / kWindow_s) * (up_body - vec(mean_up_));
   doubt_rad2_ = {};
   // Innovations are no white noise: a hand's next swing follows from its last. What they usually make of it counts.
   const double usual = std::max(kLeastUsual, usual_);
@@ -69,9 +73,13 @@ OffsetJumps::Verdict OffsetJumps::observe(ErrorState& error, double period_s) no
   }
   if (!(likeliest.surprise > 0.0) || !likeliest.size.allFinite() || !likeliest.covariance.allFinite())
     return Verdict::kNone;
-  const double probability = 1.0 / (1.0 + std::exp(0.5 * (kPriorSurprise - likeliest.surprise)));
+  const double spread = 1.0 - vec(mean_up_).squaredNorm();
+  const double against = kPriorSurprise + kUnlikelyAlike * std::max(0.0, 1.0 - spread / kSpread);
+  const bool likely = likeliest.surprise > against;
+  double probability = 1.0 / (1.0 + std::exp(0.5 * (kPriorSurprise - likeliest.surprise)));
+  if (!likely) probability = std::min(0.5, probability);
   const bool gyroscope = of_gyroscope(likeliest.jump);
-  if (probability > 0.5 && likeliest.size.norm() > (gyroscope ? kLeast_radps : kLeast_mps2)) {
+  if (likely && likeliest.size.norm() > (gyroscope ? kLeast_radps : kLeast_mps2)) {
     error.believe_jump(likeliest.jump, likeliest.size, likeliest.covariance);
     restart(error);
     return gyroscope ? Verdict::kGyroscope : Verdict::kAccelerometer;

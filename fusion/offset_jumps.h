@@ -14,7 +14,7 @@ class OffsetJumps {
   enum class Verdict : std::uint8_t { kNone, kGyroscope, kAccelerometer };
 
   /// After the measurements of a period. A jump that is likelier than none is put into `error`.
-  [[nodiscard]] Verdict observe(ErrorState& error, double period_s) noexcept;
+  [[nodiscard]] Verdict observe(ErrorState& error, const Vec3& up_body, double period_s) noexcept;
 
   /// What was said so far is void: the error state itself has been given up, or time runs the other way.
   void restart(ErrorState& error) noexcept;
@@ -34,6 +34,7 @@ class OffsetJumps {
   void end_windows(ErrorState& error, double period_s) noexcept;
 
   std::array<double, kJumpWindows> age_s_{};
+  Array3 mean_up_{};    ///< of the world, in the body, over a window
   double usual_ = 3.0;  ///< surprise that this motion makes of the gyroscope's hypothesis in a window: of three numbers
   double windows_ = 2.0;  ///< that this is the mean of
   Array9 doubt_rad2_{};

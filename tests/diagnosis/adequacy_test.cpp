@@ -25,6 +25,7 @@ struct Deleted {
   const char *id, *key;
   std::vector<double> values;
 };
+void PrintTo(const Deleted& law, std::ostream* out) { *out << law.id; }
 class LawDeleted : public testing::TestWithParam<Deleted> {};
 INSTANTIATE_TEST_SUITE_P(Adequacy, LawDeleted,
                          testing::Values(Deleted{"gyr_temp_lin", "k_radps_per_K", {3e-4, -2e-4, 1e-4}},
