@@ -51,7 +51,7 @@ class MotionScale {
   std::array<double, 2> slow_velocity_mps_{};  ///< over one swing
   std::array<double, 2> mean_velocity_mps_{};  ///< over twice the correlation time
   std::array<double, 3> mean_force_mps2_{};
-  std::array<double, 2> lasting_force_mps2_{};
+  std::array<double, 2> lasting_force_mps2_{};  ///< over what no hand keeps up
   double force_s_ = 0.0;
   double log_odds_ = 0.0;  ///< vehicle over leaning tilt
 };

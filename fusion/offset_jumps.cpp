@@ -61,7 +61,7 @@ void OffsetJumps::end_windows(ErrorState& error, double period_s) noexcept {
 OffsetJumps::Verdict OffsetJumps::observe(ErrorState& error, const Vec3& up_body, double period_s) noexcept {
   end_windows(error, period_s);
   const bool first = mean_up_ == Array3{};
-  vec(mean_up_) += (first ? 1.0 : period_s / kWindow_s) * (up_body - vec(mean_up_));
+  vec(mean_up_) += (first ? 1.0 : std::min(1.0, period_s / kWindow_s)) * (up_body - vec(mean_up_));
   doubt_rad2_ = {};
   // Innovations are no white noise: a hand's next swing follows from its last. What they usually make of it counts.
   const double usual = std::max(kLeastUsual, usual_);
