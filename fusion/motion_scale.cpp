@@ -25,6 +25,10 @@ constexpr double kSwing_s = 1.0;           ///< slower than a stride or a stroke
 constexpr double kSwingMemory_s = 5.0;
 constexpr double kSwingPeak2 = 9.0;  ///< a bound that a swing of that mean square seldom leaves: three deviations
 
+void follow(double& mean, double x, double period_s, double memory_s) {
+  mean += std::min(1.0, period_s / memory_s) * (x - mean);
+}
+
 }  // namespace
 
 double MotionScale::time() const noexcept { return std::sqrt(scale_); }
@@ -58,11 +62,11 @@ void MotionScale::follow_swing(const Seen& seen, double usual_mps, double period
   const double leaning = kStandardGravity_mps2 * kSwing_s;
   double swing = -leaning * leaning * seen.tilt_rad2;
   for (std::size_t i = 0; i < 2; ++i) {
-    slow_velocity_mps_[i] += std::min(1.0, period_s / kSwing_s) * (seen.velocity_mps[i] - slow_velocity_mps_[i]);
+    follow(slow_velocity_mps_[i], seen.velocity_mps[i], period_s, kSwing_s);
     const double fast = seen.velocity_mps[i] - slow_velocity_mps_[i];
     swing += 0.5 * fast * fast;
   }
-  swing_m2ps2_ += std::min(1.0, period_s / kSwingMemory_s) * (std::max(0.0, swing) - swing_m2ps2_);
+  follow(swing_m2ps2_, std::max(0.0, swing), period_s, kSwingMemory_s);
   swing_ = std::clamp(kSwingPeak2 * swing_m2ps2_ / (usual_mps * usual_mps), 1.0, kLargest);
 }
 
@@ -82,8 +86,7 @@ void MotionScale::weigh(const std::array<double, 3>& force_mps2, double period_s
 
 double MotionScale::observe(const Seen& seen, const Usual& usual, double period_s) noexcept {
   weigh(seen.force_mps2, period_s);
-  for (std::size_t i = 0; i < 2; ++i)
-    lasting_force_mps2_[i] += std::min(1.0, period_s / kLasting_s) * (seen.force_mps2[i] - lasting_force_mps2_[i]);
+  for (std::size_t i = 0; i < 2; ++i) follow(lasting_force_mps2_[i], seen.force_mps2[i], period_s, kLasting_s);
   follow_swing(seen, usual.speed_mps, period_s);
   const double blend = 1.0 - std::exp(-period_s / (kMeanOver * usual.time_s * time()));
   // Of a first-order process the mean with this memory keeps 1 / (1 + kMeanOver) of the variance.
