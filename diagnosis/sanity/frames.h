@@ -19,13 +19,10 @@ class Frames {
   Frames(const io::Recording& r, const std::vector<Value>& column) {
     for (std::size_t i = 0; i < column.size(); ++i)
       if (column[i].allFinite()) t_s_.push_back(r.t_s(i)), value_.push_back(column[i]);
-    for (std::size_t k = 1; Value::SizeAtCompileTime == 4 && k < value_.size(); ++k)
-      if (value_[k].dot(value_[k - 1]) < 0) value_[k] *= -1.0;  // q and -q are one rotation
-    if (t_s_.size() < 2 * kReach) return;
-    std::vector<double> steps;
-    for (std::size_t k = 1; k < t_s_.size(); ++k) steps.push_back(t_s_[k] - t_s_[k - 1]);
-    usual_s_ = median(std::move(steps));
+    join();
   }
+  /// At these times, as Recording::t_s.
+  Frames(std::vector<double> t_s, std::vector<Value> value) : t_s_(std::move(t_s)), value_(std::move(value)) { join(); }
 
   [[nodiscard]] double rate_hz() const { return usual_s_ > 0 ? 1.0 / usual_s_ : 0.0; }
 
@@ -45,6 +42,14 @@ class Frames {
   }
 
  private:
+  void join() {
+    for (std::size_t k = 1; Value::SizeAtCompileTime == 4 && k < value_.size(); ++k)
+      if (value_[k].dot(value_[k - 1]) < 0) value_[k] *= -1.0;  // q and -q are one rotation
+    if (t_s_.size() < 2 * kReach) return;
+    std::vector<double> steps;
+    for (std::size_t k = 1; k < t_s_.size(); ++k) steps.push_back(t_s_[k] - t_s_[k - 1]);
+    usual_s_ = median(std::move(steps));
+  }
   [[nodiscard]] bool joined(std::size_t k) const { return t_s_[k] - t_s_[k - 1] <= kLongest * usual_s_; }
   /// How many frames without a break stand on either side of the step to frame k.
   [[nodiscard]] std::size_t reach_around(std::size_t k) const {

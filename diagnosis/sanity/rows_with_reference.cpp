@@ -7,6 +7,7 @@
 
 #include "diagnosis/sanity/frames.h"
 #include "diagnosis/sanity/frames_between.h"
+#include "diagnosis/sanity/frames_off_rows.h"
 #include "diagnosis/sanity/readings.h"
 #include "diagnosis/sanity/rows.h"
 
@@ -46,6 +47,11 @@ std::vector<bool> filled_in(const io::Recording& r) {
   return out;
 }
 
+template <class Value>
+void forget(std::vector<Value>& column) {
+  for (Value& v : column) v.setConstant(io::kMissing);
+}
+
 /// The rows of the inertial sensors (of the magnetometer where it is alone), and those in which nothing was measured:
 /// lost rows. What comes in rows of its own between them has another clock.
 io::Recording rows_of_the_sensors(const io::Recording& r) {
@@ -73,10 +79,20 @@ RowsWithReference rows_with_reference(const io::Recording& given, std::vector<st
     r.ref_q_world_body[i].setConstant(io::kMissing);
     if (!r.ref_position_m.empty()) r.ref_position_m[i].setConstant(io::kMissing);
   }
-  const detail::Frames<Eigen::Vector4d> turns(r, r.ref_q_world_body);
-  const detail::Frames<Vec3> places(r, r.ref_position_m);
+  detail::Frames<Eigen::Vector4d> turns(r, r.ref_q_world_body);
+  detail::Frames<Vec3> places(r, r.ref_position_m);
+  std::optional<FramesOffRows> off_rows;
+  if (lines.rows_a_frame == 1 && held == 0) off_rows = frames_off_rows(r);
+  if (off_rows && !off_rows->turns_t_s.empty()) {
+    turns = {off_rows->turns_t_s, off_rows->turns_world_body};
+    forget(r.ref_q_world_body);
+  }
+  if (off_rows && !off_rows->places_t_s.empty()) {
+    places = {off_rows->places_t_s, off_rows->places_m};
+    forget(r.ref_position_m);
+  }
   r = rows_of_the_sensors(r);
-  bool changed = held > 0 || lines.rows_a_frame > 1 || r.size() < given.size();
+  bool changed = held > 0 || lines.rows_a_frame > 1 || off_rows || r.size() < given.size();
   if (auto even = with_lost_rows(r)) r = std::move(*even), changed = true;
   if (turns.rate_hz() >= kSlowestFrames_Hz) {
     changed = turns.fill(r, r.ref_q_world_body) || changed;
@@ -88,11 +104,11 @@ RowsWithReference rows_with_reference(const io::Recording& given, std::vector<st
         fmt::format("reference: in {} rows it repeats itself while the body turns; those values are taken out", held));
   const double rows_hz = 1.0 / std::max(r.median_step_s(), 1e-9);
   if (turns.rate_hz() < 0.9 * rows_hz)
-    notices.push_back(fmt::format("reference: {:.4g} frames a second beside {:.4g} rows of the sensors; {}",
-                                  turns.rate_hz(), rows_hz,
-                                  turns.rate_hz() < kSlowestFrames_Hz ? "too few to know the motion between them"
-                                  : lines.rows_a_frame > 1 ? "drawn as lines between its frames, which count alone"
-                                                           : "interpolated between its frames"));
+    notices.push_back(
+        fmt::format("reference: {:.4g} frames a second beside {:.4g} rows of the sensors; {}", turns.rate_hz(), rows_hz,
+                    turns.rate_hz() < kSlowestFrames_Hz  ? "too few to know the motion between them"
+                    : lines.rows_a_frame > 1 || off_rows ? "drawn as lines between its frames, which count alone"
+                                                         : "interpolated between its frames"));
   const double rows_a_frame = turns.rate_hz() > 0 ? std::round(rows_hz / turns.rate_hz()) : 1.0;
   return {std::move(r), static_cast<std::size_t>(std::max(rows_a_frame, 1.0))};
 }
