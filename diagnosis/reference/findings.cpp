@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "diagnosis/certainty.h"
 #include "diagnosis/discovery/law_entry.h"
@@ -154,6 +155,19 @@ void say_as_unknown(Finding& f, const char* name, const char* driver) {
   f.decided_by = "record what changes it";
 }
 
+/// What rounding to steps as coarse as the noise does follows the motion. Noise of sd before the rounding leaves an
+/// error of step / pi exp(-2 (pi sd / step)^2) in the mean, at most (Widrow & Kollár, Quantization Noise); a product
+/// outside the catalogue is free enough to take the rounding itself for one.
+bool is_the_lattice(const Signals& s, const Found& f, Sensor k, const HeldOut& h) {
+  const double step = s.lattice_step[k], before = s.noise_sd[k] * s.noise_sd[k] - step * step / 12.0;
+  if (step < s.noise_sd[k]) return false;
+  const double removed = h.rms_before * h.rms_before - h.rms_after * h.rms_after;
+  if (is_unknown(f.id)) return removed < step * step / 12.0;
+  using std::numbers::pi;
+  const double bias = step / pi * std::exp(-2.0 * pi * pi * std::max(before, 0.0) / (step * step));
+  return removed < 0.5 * bias * bias;
+}
+
 /// What is stated of a sensor: no number of it is fitted beside a law that is not.
 struct Stated {
   SensorSearch search;
@@ -161,25 +175,32 @@ struct Stated {
   std::vector<HeldOut> held_out;  ///< of each law
 };
 
-/// Beside the other laws a filter's numbers may go where no filter is: then it only takes out what they brought in.
+/// Beside the other laws a number may go where no sensor has it: then it only takes out what they brought in.
 bool has_possible_numbers(const SensorSearch& search, std::size_t index, const Finished& finished) {
   const Found& f = search.found[index];
-  return !f.possible || f.possible(finished.values.segment(first_column(search, index), f.timing.size()));
+  const auto first = first_column(search, index);
+  if (f.names == kWholeOrNothing) return finished.values[first] > kLeastShareOfAWhole;
+  return !f.possible || f.possible(finished.values.segment(first, f.timing.size()));
 }
 
-Stated stated_of(const SensorSearch& search, const Finished& finished, std::vector<std::string>& notices) {
+Stated stated_of(const Signals& s, const SensorSearch& search, const Finished& finished,
+                 std::vector<std::string>& notices) {
   Stated out{search, finished, {}};
   for (std::size_t i = 0; i < search.found.size(); ++i) {
     const Found& f = search.found[i];
     const HeldOut held_out = f.kind == Kind::kConfiguration ? HeldOut{} : held_out_by_regime(search, {i});
-    const bool possible = has_possible_numbers(search, i, finished);
-    if (possible && !fails_elsewhere(held_out)) {
+    std::string why;  // not to state it
+    if (!has_possible_numbers(search, i, finished))
+      why = "its numbers are none that a sensor has";
+    else if (fails_elsewhere(held_out))
+      why = fmt::format("on {} left out of its fit it removes {:.2g} of what is removable", held_out.on,
+                        held_out.removable_share_removed);
+    else if (f.kind != Kind::kConfiguration && is_the_lattice(s, f, search.sensor, held_out))
+      why = "the steps of the readings, as coarse as their noise, leave as much";
+    if (why.empty()) {
       out.held_out.push_back(held_out);
       continue;
     }
-    const std::string why = possible ? fmt::format("on {} left out of its fit it removes {:.2g} of what is removable",
-                                                   held_out.on, held_out.removable_share_removed)
-                                     : "its numbers are none that a sensor has";
     notices.push_back(fmt::format("{} fits, but is not stated: {}", f.id, why));
     take_out(out.search, out.held_out.size());
   }
@@ -222,7 +243,7 @@ void report_sensor(const Signals& s, const EngineResult& engine, Sensor sensor,
   const bool piece = slow && locals(search) > 0 && !missing_drivers(s, sensor).empty();
   const bool switched = locals(search) >= 2 || piece;
   if (switched) findings.push_back(switching_finding(finding_from(s, search, 0, finished, {}), s, search));
-  const Stated stated = switched ? Stated{} : stated_of(search, finished, answer.diagnosis.notices);
+  const Stated stated = switched ? Stated{} : stated_of(s, search, finished, answer.diagnosis.notices);
   for (std::size_t i = 0; i < stated.search.found.size(); ++i) {
     const Found& f = stated.search.found[i];
     if (f.kind == Kind::kConfiguration) continue;

@@ -92,7 +92,8 @@ class LawList {
             lost.col(axis) = after_tracker(s.given_rate.col(axis), s.rest, s.dt_s, tau) - s.given_rate.col(axis);
           return coupled({lost});
         },
-        {"share"}, "1", "u = y - b, db/dt = (y - b) / tau at rest", "pattern of rests, and what drifts between them");
+        kWholeOrNothing, "1", "u = y - b, db/dt = (y - b) / tau at rest",
+        "pattern of rests, and what drifts between them");
     law.shapes = {3.0, 6.0, 10.0, 15.0, 22.0, 32.0, 50.0};
     law.shape_name = "tau";
     law.shape_unit = "s";
@@ -206,7 +207,7 @@ class LawList {
           const Series3 y = raw();
           return coupled({(y.cwiseMin(level).cwiseMax(-level) - y) * s.triad[k].matrix.transpose()});
         },
-        {"share"}, "1", "y = clip(y, +-L) before filtering", "the reading above a level");
+        kWholeOrNothing, "1", "y = clip(y, +-L) before filtering", "the reading above a level");
     const double top = raw().cwiseAbs().maxCoeff();
     for (const double share : {0.5, 0.6, 0.7, 0.8, 0.9}) sat.shapes.push_back(share * top);
     sat.shapes.erase(sat.shapes.begin());

@@ -24,6 +24,10 @@ inline constexpr const char* kTrackerShape = "tracker_tau";
 /// Of a reference, not of the simulation: its attitudes are smoothed.
 inline constexpr const char* kSmoothedReference = "ref_smoothed";
 
+/// The one coefficient of a law that acts as a whole or not at all; with less of itself it stands for another law.
+inline const std::vector<std::string> kWholeOrNothing{"share"};
+inline constexpr double kLeastShareOfAWhole = 0.3;
+
 enum class Extent { kAny, kStep, kWhole };  ///< may be local in time; must be (a constant would be the offset); never
 
 struct Law {

@@ -179,14 +179,18 @@ Found line(const Target& t, const Series& t_s, double frequency_Hz, const Eigen:
 
 }  // namespace
 
+std::optional<double> sharpest_line_Hz(const Series3& left, const Series& t_s, double step_s) {
+  const auto peak = sharpest(left, t_s, step_s);
+  return peak ? std::optional(peak->frequency_Hz) : std::nullopt;
+}
+
 std::optional<double> line_in_world(const Signals& s, const SensorSearch& search) {
   if (s.world_axis[0].rows() != s.n) return std::nullopt;
   const Unexplained body = unexplained(search);
   Series3 world(s.n, 3);
   for (int axis = 0; axis < 3; ++axis)
     world.col(axis) = body.left.cwiseProduct(s.world_axis[static_cast<std::size_t>(axis)]).rowwise().sum();
-  const auto peak = sharpest(world, search.t_s, body.target.rows.step_s);
-  return peak ? std::optional(peak->frequency_Hz) : std::nullopt;
+  return sharpest_line_Hz(world, search.t_s, body.target.rows.step_s);
 }
 
 std::optional<Found> line_in(const Signals& s, const SensorSearch& search) {

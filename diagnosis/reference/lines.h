@@ -12,6 +12,9 @@ namespace stillpoint::diag {
 /// left to the caller.
 [[nodiscard]] std::optional<Found> line_in(const Signals& s, const SensorSearch& search);
 
+/// The sharpest line of these rows, if there is one: in the whole, or in a half or a quarter that it fills better.
+[[nodiscard]] std::optional<double> sharpest_line_Hz(const Series3& left, const Series& t_s, double step_s);
+
 /// Frequency of a line that is sharp in the axes of the world, where the motion does not smear it; needs attitudes.
 [[nodiscard]] std::optional<double> line_in_world(const Signals& s, const SensorSearch& search);
 

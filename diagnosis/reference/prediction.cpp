@@ -16,6 +16,9 @@ constexpr double kExactJitter_rad = 2e-6;  // a reference quieter than this is a
 constexpr double kSeenOverNoise = 0.05;    // an error of the reference that a sensor of this noise would show
 constexpr double kKept = 0.6;  // of the rows, for which errors up to the next number times the noise are borne
 constexpr double kBorneOverNoise = 0.3;
+constexpr double kOften = 0.3;        // of the rows
+constexpr double kFreeOfIt = 0.01;    // of the noise
+constexpr double kAside_s = 0.3;      // from what is not
 constexpr double kAboveStamps = 2.0;  // what the noise of stamps leaves between two stencils is less than itself
 
 using Turns = Eigen::Matrix<double, Eigen::Dynamic, 4>;
@@ -111,6 +114,12 @@ bool shows(const Signals& s, const std::array<double, 2>& noise) {
   return seen(kAcc) || seen(kGyr);
 }
 
+Mask near_above(const Series& near, double level) {
+  Mask out(static_cast<std::size_t>(near.size()));
+  for (Eigen::Index i = 0; i < near.size(); ++i) out[static_cast<std::size_t>(i)] = near[i] > level;
+  return out;
+}
+
 /// A vibration near half the rate of the reference cannot be differentiated: where what is left of the error stands
 /// above the noise of the stamps and reaches the sensor's noise, nothing can be compared. A noisy camera carries its
 /// noise there, and no error is seen.
@@ -125,6 +134,12 @@ void mute_unresolved(Signals& s, const std::array<Series, 2>& error, const std::
     for (Eigen::Index i = 0; i < s.n; ++i)
       if (std::uint8_t& muted = s.muted[k][static_cast<std::size_t>(i)]; near[i] > harmless && !muted)
         muted = 1, ++count;
+    if (static_cast<double>(count) > kOften * static_cast<double>(s.n)) {
+      // Then what is left is no motion but where it swells and fades, and the two stencils agree on a folded frequency.
+      const Mask fast = near_above(near, kFreeOfIt * s.noise_sd[k]);
+      mute_beside(fast, static_cast<Eigen::Index>(kAside_s / s.dt_s), s.muted[k]);
+      count = std::count(fast.begin(), fast.end(), 1);
+    }
     const double share = static_cast<double>(count) / static_cast<double>(s.n);
     if (share < 0.005) continue;
     s.unresolved[k] = true;

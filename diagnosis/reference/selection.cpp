@@ -113,11 +113,11 @@ bool possible(const Signals& s, const SensorSearch& search, const Found& law) {
     return law.timing[1] > 2.0 * std::sqrt(std::max(fit.covariance(last, last), 0.0));
   }
   const auto count = static_cast<Eigen::Index>(law.columns.size());
-  if (law.names == std::vector<std::string>{"share"}) {  // of something that acts as a whole or not at all
+  if (law.names == kWholeOrNothing) {
     const Fit fit = fit_beside(search, law);
     const double share = fit.theta.tail(count)[0],
                  sd = std::sqrt(std::max(fit.covariance.diagonal().tail(count)[0], 0.0));
-    return share > 2.0 * sd && share < 2.0;
+    return share > std::max(2.0 * sd, kLeastShareOfAWhole) && share < 2.0;
   }
   const sim::EffectInfo* info = law.kind == Kind::kNamed ? sim::find_effect(law.id) : nullptr;
   if (info == nullptr || law.offset.size() || law.columns.empty()) return true;

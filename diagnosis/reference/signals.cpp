@@ -5,6 +5,7 @@
 
 #include "diagnosis/foreign/alignment.h"
 #include "diagnosis/reference/band_limit.h"
+#include "diagnosis/reference/folded_vibration.h"
 #include "diagnosis/reference/prediction.h"
 #include "diagnosis/reference/response.h"
 #include "diagnosis/reference/rest.h"
@@ -190,7 +191,10 @@ Result<Signals> make_signals(const io::Recording& recording, const sim::Simulati
   s.has_position = !recording.ref_position_m.empty();
   if (!s.has_orientation) return s;
   const Mask lost = predict(s, recording, rows_a_frame);
-  if (log != nullptr) take_prediction(s, *log);
+  if (log != nullptr)
+    take_prediction(s, *log);
+  else
+    unfold_vibrations(s);
   for (int k = 0; k < kSensors; ++k) {
     if (!s.present[k]) continue;
     s.residual[k] = s.reading[k] - s.predicted[k];

@@ -46,7 +46,8 @@ struct Signals {
   std::array<Mask, kSensors> muted;  ///< samples that say nothing about this sensor's residual
   std::array<bool, kSensors> unresolved{};  ///< the body vibrates too fast for the reference: kept rows err with it too
   std::array<double, kSensors> noise_sd{};  ///< as configured, of one sample
-  std::array<double, kSensors> band_hz{};   ///< of `vector` where it is the sensor itself; 0: it is not
+  std::array<double, kSensors> lattice_step{};  ///< the coarsest axis'; 0: the readings lie on none
+  std::array<double, kSensors> band_hz{};       ///< of `vector` where it is the sensor itself; 0: it is not
   Series3 given_rate;                 ///< what effects that the simulation has already do to the gyroscope; empty: none
   Series3 rate, rate_dot;             ///< rad/s, rad/s^2
   std::array<Series3, 3> world_axis;  ///< world x, y, z seen from the sensor: the columns of R'

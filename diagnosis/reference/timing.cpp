@@ -13,7 +13,7 @@ constexpr int kGaussNewtonSteps = 6;
 constexpr double kLikeness_s = 0.04;
 constexpr Eigen::Index kNeighbours = 3;
 constexpr std::size_t kStartsRefined = 2;
-constexpr double kLeastDamping = 0.004;  // a fifth of what mounts and glued parts have (docs/effects.md, A12)
+constexpr double kLeastDamping = 0.01;  // half of what mounts and glued parts have (docs/effects.md, A12)
 
 /// What a sensor with this response shows beyond the truth. When the truth is the sensor itself (a noisy reference),
 /// the response is undone instead: u - u / h.

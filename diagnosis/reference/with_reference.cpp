@@ -59,7 +59,7 @@ void mute_lattice_at_rest(Signals& s, const Forensics& forensics) {
   constexpr double kDither = 0.4;
   for (std::size_t k = 0; k < kSensors; ++k) {
     if (!s.present[k] || !forensics.sensor[k].quantised) continue;
-    const double step = forensics.sensor[k].lattice_step.maxCoeff();
+    const double step = s.lattice_step[k] = forensics.sensor[k].lattice_step.maxCoeff();
     if (s.noise_sd[k] > kDither * step) continue;
     for (std::size_t i = 0; i < s.rest.size(); ++i)
       if (s.rest[i]) s.muted[k][i] = 1;
@@ -69,20 +69,6 @@ void mute_lattice_at_rest(Signals& s, const Forensics& forensics) {
           fmt::format("{}: at rest its steps of {:.3g} {} hide all that is smaller; nothing else of it "
                       "is tested. Record motion, or with a smaller range",
                       kSensorName[k], step, kSensorUnit[k]));
-  }
-}
-
-/// Steps coarser than the noise follow the motion: what looks like a law outside the catalogue, and removes no more
-/// than the power of rounding, is the lattice.
-void drop_traces_of_lattices(const Signals& s, const Forensics& forensics, std::vector<Finding>& findings) {
-  for (std::size_t k = 0; k < kSensors; ++k) {
-    const double step = forensics.sensor[k].lattice_step.maxCoeff();
-    if (!s.present[k] || !forensics.sensor[k].quantised || step < s.noise_sd[k]) continue;
-    std::erase_if(findings, [&](const Finding& f) {
-      const double removed = std::pow(f.held_out.rms_before, 2) - std::pow(f.held_out.rms_after, 2);
-      return is_unknown(f) && !f.channels.empty() && f.channels.front().starts_with(kSensorName[k]) &&
-             removed < step * step / 12.0;
-    });
   }
 }
 
@@ -185,7 +171,6 @@ Answer diagnose_with_reference(const ReferencedRows& rows, const sim::Simulation
   std::stable_sort(answer.diagnosis.findings.begin() + static_cast<std::ptrdiff_t>(kept),
                    answer.diagnosis.findings.end(),
                    [](const Finding& a, const Finding& b) { return a.held_out.gain_nats > b.held_out.gain_nats; });
-  drop_traces_of_lattices(s, forensics, answer.diagnosis.findings);
   std::stable_partition(answer.diagnosis.findings.begin(), answer.diagnosis.findings.end(),
                         [](const Finding& f) { return !f.effect.ends_with("_quant"); });  // removes nothing: last
   for (const auto& n : s.notices) answer.diagnosis.notices.push_back(n);

@@ -1,0 +1,129 @@
+#include "diagnosis/reference/folded_vibration.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <unsupported/Eigen/FFT>
+
+#include "diagnosis/reference/lines.h"
+
+namespace stillpoint::diag {
+namespace {
+
+constexpr int kMostLines = 6;      // a rotor and its harmonics
+constexpr double kHalfBand = 0.1;  // of the frequency, on either side: size and speed of a rotor change
+constexpr double kLeastHalfBand_Hz = 1.0;
+constexpr double kUnlike = 0.1;     // of the line's power, that the reference does not show in its own proportions
+constexpr double kOffAFold = 0.05;  // of the rate of the rows: noise
+
+/// The rows' content near one frequency, each bin times a weight.
+template <class Weight>
+Series3 near(const Series3& x, double frequency_Hz, double step_s, const Weight& weight) {
+  const double half_Hz = std::max(kHalfBand * frequency_Hz, kLeastHalfBand_Hz);
+  const double bin_Hz = 1.0 / (static_cast<double>(x.rows()) * step_s);
+  Eigen::FFT<double> fft;
+  Series3 out(x.rows(), 3);
+  for (int axis = 0; axis < 3; ++axis) {
+    Eigen::VectorXcd spectrum;
+    const Series column = x.col(axis);
+    fft.fwd(spectrum, column);
+    for (Eigen::Index k = 0; k < x.rows(); ++k) {
+      const double f = bin_Hz * static_cast<double>(std::min(k, x.rows() - k));
+      spectrum[k] *= std::abs(f - frequency_Hz) > half_Hz ? 0.0 : weight(f);
+    }
+    Series back;
+    fft.inv(back, spectrum);
+    out.col(axis) = back;
+  }
+  return out;
+}
+
+/// The body moves at n fs +- f, the rows at f.
+struct Fold {
+  double from_Hz, sign;
+
+  [[nodiscard]] double body_Hz(double f) const { return from_Hz + sign * f; }
+  /// True derivative over that of the rows.
+  [[nodiscard]] double times(Sensor k, double f) const {
+    const double ratio = body_Hz(f) / f;
+    return k == kAcc ? ratio * ratio : sign * ratio;
+  }
+};
+
+/// The fold of which the derivatives are so many times those of the rows, if there is one.
+std::optional<Fold> fold_of(Sensor k, double times, double frequency_Hz, double rate_Hz) {
+  if (k == kAcc && times <= 0.0) return std::nullopt;
+  const double body_Hz = (k == kAcc ? std::sqrt(times) : std::abs(times)) * frequency_Hz;
+  for (const double sign : {-1.0, 1.0}) {
+    const Fold fold{rate_Hz * std::round((body_Hz - sign * frequency_Hz) / rate_Hz), sign};
+    const bool same_way = k == kAcc || times * sign > 0;
+    if (fold.from_Hz > 0 && same_way && std::abs(fold.body_Hz(frequency_Hz) - body_Hz) < kOffAFold * rate_Hz)
+      return fold;
+  }
+  return std::nullopt;
+}
+
+/// What the derivatives lack, in the axes of the world: in the body's, the slow turn bends what vibrates.
+Series3 lacking(const Signals& s, Sensor k, const Fold& fold, double frequency_Hz) {
+  const auto lack = [&](const Series3& x) {
+    return near(x, frequency_Hz, s.dt_s, [&](double f) { return fold.times(k, f) - 1.0; });
+  };
+  Series3 out = Series3::Zero(s.n, 3);
+  if (k == kAcc) {
+    const Series3 moved = s.predicted[kAcc] - s.gravity_mps2 * s.world_axis[2];
+    Series3 world(s.n, 3);
+    for (int a = 0; a < 3; ++a)
+      world.col(a) = moved.cwiseProduct(s.world_axis[static_cast<std::size_t>(a)]).rowwise().sum();
+    world = lack(world);
+    for (int a = 0; a < 3; ++a) out += world.col(a).asDiagonal() * s.world_axis[static_cast<std::size_t>(a)];
+    return out;
+  }
+  // An axis x of the world moves as dx/dt = x cross w in the body, so that w = sum (dx/dt cross x) / 2.
+  for (const Series3& axis : s.world_axis) {
+    const Series3 turns = lack(derivative(axis, s.rows));
+    for (Eigen::Index i = 0; i < s.n; ++i) out.row(i) += 0.5 * Vec3(turns.row(i)).cross(Vec3(axis.row(i)));
+  }
+  return out;
+}
+
+/// Unfolds one line; false where it is no fold.
+bool unfold(Signals& s, Sensor k, const Series3& left, double frequency_Hz) {
+  Series3 moved = s.predicted[k];
+  if (k == kAcc) moved -= s.gravity_mps2 * s.world_axis[2];
+  for (Eigen::Index i = 0; i < s.n; ++i)
+    if (s.muted[k][static_cast<std::size_t>(i)]) moved.row(i).setZero();
+  const auto as_it_is = [](double) { return 1.0; };
+  moved = near(moved, frequency_Hz, s.dt_s, as_it_is);
+  const Series3 residual = near(left, frequency_Hz, s.dt_s, as_it_is);
+  const double power = moved.squaredNorm(), both = moved.cwiseProduct(residual).sum();
+  if (power <= 0.0 || both * both < (1.0 - kUnlike) * residual.squaredNorm() * power) return false;
+  const auto fold = fold_of(k, 1.0 + both / power, frequency_Hz, 1.0 / s.dt_s);
+  if (!fold) return false;
+  s.predicted[k] += lacking(s, k, *fold, frequency_Hz);
+  s.notices.push_back(
+      fmt::format("{}: the body vibrates at {:.4g} Hz, which {:.4g} rows a second fold to {:.3g} Hz: predicted with "
+                  "its own frequency",
+                  kSensorName[k], fold->body_Hz(frequency_Hz), 1.0 / s.dt_s, frequency_Hz));
+  return true;
+}
+
+}  // namespace
+
+void unfold_vibrations(Signals& s) {
+  for (const Sensor k : {kAcc, kGyr}) {
+    if (!s.present[k] || (k == kAcc && !s.has_position)) continue;
+    for (int line = 0; line < kMostLines; ++line) {
+      Series3 left = s.reading[k] - s.predicted[k];
+      left.rowwise() -= left.colwise().mean().eval();
+      for (Eigen::Index i = 0; i < s.n; ++i)
+        if (s.muted[k][static_cast<std::size_t>(i)]) left.row(i).setZero();
+      const auto frequency_Hz = sharpest_line_Hz(left, s.t_s, s.dt_s);
+      if (!frequency_Hz) break;
+      if (!unfold(s, k, left, *frequency_Hz)) break;
+    }
+  }
+}
+
+}  // namespace stillpoint::diag
