@@ -8,6 +8,7 @@ namespace {
 
 constexpr std::size_t kFewestFlips = 5, kRepeatBlock = 64, kLongestRun = 4;
 constexpr double kFewestRepeats = 10.0;
+constexpr double kPairsToCompare = 5.0;   // expected
 constexpr double kBeyondChance = 8.0;     // axes at rest do not repeat quite independently
 constexpr double kFarOff = 12.0;          // robust deviations of a single reading from its neighbours
 constexpr std::size_t kBlockRows = 256;   // over which the scatter of readings is taken
@@ -100,10 +101,11 @@ double readings_due(const std::vector<double>& count, const std::vector<bool>& a
 
 std::vector<std::size_t> find_random_repeats(std::span<const Axis> axes, const std::vector<std::uint8_t>& ignore) {
   std::vector<std::size_t> rows;
-  double chance = 0.0;
+  double chance = 0.0, pairs = 0.0, pairs_by_chance = 0.0;
   const std::size_t n = axes[0].y.size();
   for (std::size_t b = 1; b < n; b += kRepeatBlock) {
     std::array<double, 3> alone{};
+    double in_two = 0.0;
     std::vector<std::size_t> here_rows;
     double looked_at = 0.0;
     std::size_t run = 0, longest = 0;
@@ -121,14 +123,20 @@ std::vector<std::size_t> find_random_repeats(std::span<const Axis> axes, const s
       }
       run = 0;
       for (std::size_t a = 0; a < 3; ++a) alone[a] += repeats(a);
+      in_two += repeats(0) + repeats(1) + repeats(2) == 2;
     }
     // Axes that repeat alone tell how often all three would: at rest on a coarse lattice often, in motion never.
     if (longest >= kLongestRun) continue;  // a body at rest within one step of its lattice
     double here = looked_at;
     for (const double x : alone) here *= (x + 0.5) / (looked_at - static_cast<double>(here_rows.size()) + 1.0);
     chance += here;
+    pairs += in_two;
+    for (std::size_t a = 0; a < 3; ++a) pairs_by_chance += alone[a] * alone[(a + 1) % 3] / std::max(looked_at, 1.0);
     rows.insert(rows.end(), here_rows.begin(), here_rows.end());
   }
+  // What moves all axes alike - a line near half the rate as it beats with the rows - lets them repeat together, each
+  // pair as many times too often.
+  if (pairs_by_chance > kPairsToCompare) chance *= std::pow(std::max(pairs / pairs_by_chance, 1.0), 3);
   if (static_cast<double>(rows.size()) < kFewestRepeats + kBeyondChance * chance) return {};
   return rows;
 }

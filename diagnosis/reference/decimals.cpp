@@ -9,8 +9,9 @@
 namespace stillpoint::diag {
 namespace {
 
-constexpr int kMostDigits = 10;  // significant ones; more are arithmetic
-constexpr int kFloatDigits = 8;  // as many as a number of single precision needs to be written
+constexpr int kMostDigits = 10;      // significant ones; more are arithmetic
+constexpr int kFloatDigits = 8;      // as many as a number of single precision needs to be written
+constexpr double kFloatText = 6e-9;  // what its nine digits leave
 constexpr double kFloatRounding = 1.0 / (1 << 23);
 
 bool has_digits(double x, int digits) {
@@ -25,10 +26,10 @@ double square_of_relative_steps(const std::vector<double>& values) {
   int digits = 1;
   for (const double x : values)
     while (digits <= kMostDigits && !has_digits(x, digits)) ++digits;
-  if (digits > kMostDigits) return 0.0;
   const bool single = digits >= kFloatDigits && std::all_of(values.begin(), values.end(), [](double x) {
-                        return std::abs(x - static_cast<double>(static_cast<float>(x))) <= 1e-9 * std::abs(x);
+                        return std::abs(x - static_cast<double>(static_cast<float>(x))) <= kFloatText * std::abs(x);
                       });
+  if (digits > kMostDigits && !single) return 0.0;
   double sum = 0.0;
   for (const double x : values) {
     if (x == 0.0) continue;

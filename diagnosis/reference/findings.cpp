@@ -16,6 +16,7 @@
 #include "diagnosis/reference/drift.h"
 #include "diagnosis/reference/given_effects.h"
 #include "diagnosis/reference/left_at_rest.h"
+#include "diagnosis/reference/lines.h"
 #include "diagnosis/reference/nameless.h"
 #include "diagnosis/reference/remainder.h"
 #include "diagnosis/reference/steadiness.h"
@@ -124,8 +125,9 @@ Finding finding_from(const Signals& s, const SensorSearch& search, std::size_t i
   // A current nearby that was not recorded does what a piece of iron does.
   if (f.id == "mag_hard_step" && !s.current_A.size()) out.equivalent.emplace_back("mag_current");
   // Of a resonance above the band in which bodies move only the flank is seen: the sensor gains what a camera loses.
-  if (f.id.ends_with("_resonance") && !s.exact_reference && f.timing.size() > 0 && f.timing[0] > kMotionBand_Hz)
-    out.equivalent.emplace_back("ref_error");
+  // And a camera does not see how a body trembles.
+  const bool fast = f.id.ends_with("_resonance") && f.timing.size() > 0 && f.timing[0] > kMotionBand_Hz;
+  if ((fast || is_line(f.id)) && search.sensor != kMag && !s.exact_reference) out.equivalent.emplace_back("ref_error");
   rivals_of(f, out);
   out.wider = wider_law(search, index);
   out.figures = curves_of(s, search, index, finished);
@@ -277,6 +279,8 @@ void report_sensor(const Signals& s, const EngineResult& engine, Sensor sensor,
     if (auto left = wanders_at_rest(s, search, finished)) findings.push_back(std::move(*left));
   }
   tell_swings(s, search, finished, answer.diagnosis);
+  if (std::any_of(search.found.begin(), search.found.end(), [](const Found& f) { return is_line(f.id); }))
+    without_noise_of(search.sensor, answer.diagnosis);
   for (auto& f : findings) answer.diagnosis.findings.push_back(std::move(f));
   for (auto& e : effects) answer.effects.push_back(std::move(e));
   report_remainder(s, search, finished, answer);

@@ -21,6 +21,9 @@ enum class Kind {
 /// Shape name of a law seen through an adaptive bias estimate: no effect of the catalogue has it.
 inline constexpr const char* kTrackerShape = "tracker_tau";
 
+/// Of the body, which the reference does not see vibrate.
+inline constexpr const char* kBodyVibration = "body_vibration";
+
 /// Of a reference, not of the simulation: its attitudes are smoothed.
 inline constexpr const char* kSmoothedReference = "ref_smoothed";
 

@@ -16,6 +16,7 @@ constexpr double kNatsForTheStretch = 8.0;  // log of the number of stretches
 constexpr double kOffElsewhere = 0.3;       // of the amplitude inside: what a line that is switched off leaves
 constexpr double kSensorsOwn = 0.5;         // half way between the reference's (0) and the sensor's (1)
 constexpr double kKnown = 0.25;             // two deviations on either side of that
+constexpr double kLineOverBeside = 12.0;    // power, of three axes and two phases: chance 1e-13
 constexpr int kNearest = 4, kFarthest = 9;  // bins beside the line that tell the reading's background
 
 /// Sums of the line's phasor per block, with how many samples are in them.
@@ -75,6 +76,25 @@ Phasor tapered(const Series3& x, const Mask& muted, const Window& w, const Serie
   return sum / std::max(weights, 1e-9);
 }
 
+/// Lines of one sensor in a window.
+struct Reading {
+  const Signals& s;
+  Sensor sensor;
+  Window w;
+
+  Reading(const Signals& signals, Sensor k, const Window& window)
+      : s(signals), sensor(k), w(window.local ? window : Window{false, 0, signals.n}) {}
+  [[nodiscard]] Phasor at(const Series3& x, double f) const { return tapered(x, s.muted[sensor], w, s.t_s, f); }
+  /// Mean power of the reading at frequencies beside a line.
+  [[nodiscard]] double beside(double f) const {
+    const double bin_Hz = 1.0 / (static_cast<double>(w.end - w.begin) * s.dt_s);
+    double power = 0.0;
+    for (int bin = kNearest; bin <= kFarthest; ++bin)
+      for (const double sign : {-1.0, 1.0}) power += at(s.reading[sensor], f + sign * bin * bin_Hz).squaredNorm();
+    return power / (2.0 * (kFarthest - kNearest + 1));
+  }
+};
+
 }  // namespace
 
 Window stretch_of_line(const Series3& left, const Layout& layout, const Series& t_s, double frequency_Hz,
@@ -98,19 +118,20 @@ Window stretch_of_line(const Series3& left, const Layout& layout, const Series& 
 
 bool stands_in_reading(const Signals& s, Sensor sensor, const Series3& left, const Window& window,
                        double frequency_Hz) {
-  const Window w = window.local ? window : Window{false, 0, s.n};
-  const double bin_Hz = 1.0 / (static_cast<double>(w.end - w.begin) * s.dt_s);
-  const auto at = [&](const Series3& x, double f) { return tapered(x, s.muted[sensor], w, s.t_s, f); };
-  const Phasor of_residual = at(left, frequency_Hz), of_reading = at(s.reading[sensor], frequency_Hz);
-  const double power = of_residual.squaredNorm();
-  double beside = 0.0, count = 0.0;
-  for (int k = kNearest; k <= kFarthest; ++k)
-    for (const double sign : {-1.0, 1.0}) {
-      beside += at(s.reading[sensor], frequency_Hz + sign * k * bin_Hz).squaredNorm();
-      count += 1.0;
-    }
-  const double share = of_residual.dot(of_reading).real() / power;
-  return share > kSensorsOwn && std::sqrt(0.5 * beside / count / power) < kKnown;
+  const Reading reading(s, sensor, window);
+  const Phasor of_residual = reading.at(left, frequency_Hz), of_reading = reading.at(s.reading[sensor], frequency_Hz);
+  const double power = of_residual.squaredNorm(), share = of_residual.dot(of_reading).real() / power;
+  return share > kSensorsOwn && std::sqrt(0.5 * reading.beside(frequency_Hz) / power) < kKnown;
+}
+
+bool others_swing_too(const Signals& s, Sensor sensor, const Window& window, double frequency_Hz) {
+  for (const Sensor k : {kAcc, kGyr, kMag}) {
+    if (k == sensor || !s.present[k]) continue;
+    const Reading reading(s, k, window);
+    if (reading.at(s.reading[k], frequency_Hz).squaredNorm() > kLineOverBeside * reading.beside(frequency_Hz))
+      return true;
+  }
+  return false;
 }
 
 }  // namespace stillpoint::diag

@@ -14,4 +14,8 @@ namespace stillpoint::diag {
 [[nodiscard]] bool stands_in_reading(const Signals& s, Sensor sensor, const Series3& left, const Window& window,
                                      double frequency_Hz);
 
+/// Whether the readings of another sensor swing at this frequency, too: then the body does, or something shakes all of
+/// them.
+[[nodiscard]] bool others_swing_too(const Signals& s, Sensor sensor, const Window& window, double frequency_Hz);
+
 }  // namespace stillpoint::diag

@@ -147,33 +147,70 @@ Unexplained unexplained(const SensorSearch& search) {
   return {std::move(plain), std::move(left)};
 }
 
+/// Of the frequency, where the line stands so many times above its background.
+double deviation_Hz(double over_background, const Window& window, const Target& t) {
+  const double lasts_s = window.local ? static_cast<double>(window.end - window.begin) * t.rows.step_s : t.duration_s;
+  return std::sqrt(12.0) / (2.0 * std::numbers::pi * lasts_s * std::sqrt(over_background));
+}
+
+/// Sine and cosine of each axis.
+Columns swings(const SensorSearch& search, const Window& window, double frequency_Hz) {
+  const Eigen::ArrayXd angle = 2.0 * std::numbers::pi * frequency_Hz * search.t_s.array();
+  Columns out = on_each_axis(angle.sin());
+  const Columns cosines = on_each_axis(angle.cos());
+  out.insert(out.end(), cosines.begin(), cosines.end());
+  return in_window(std::move(out), window);
+}
+
+struct Swing {
+  double frequency_Hz = 0.0, gain_nats = 0.0;
+  Eigen::Matrix<double, 3, 2> amplitude;  ///< of sine and cosine
+};
+
+/// A periodogram is blind to the noise's own spectrum: where a reference is quiet, near half its rate, the likelihood
+/// knows the frequency a hundred times better.
+Swing sharpened(const SensorSearch& search, const Window& window, double frequency_Hz, double deviation_Hz) {
+  const Target& t = search.target;
+  const Columns explained = search.explained();
+  const auto columns = [&](double f) { return joined(explained, swings(search, window, f)); };
+  const NoiseModel noise(t.layout, fit_profile(t, columns(frequency_Hz)).leftover);
+  const double f =
+      highest_by_golden_section(frequency_Hz - 3.0 * deviation_Hz, frequency_Hz + 3.0 * deviation_Hz, kRefinements,
+                                [&](double tried) { return fit_with(t, columns(tried), noise, {}).log_likelihood; });
+  const Fit fit = fit_with(t, columns(f), noise, {});
+  const Eigen::VectorXd six = fit.theta.tail(6);
+  return {f, fit.log_likelihood - fit_with(t, explained, noise, {}).log_likelihood,
+          Eigen::Map<const Eigen::Matrix<double, 3, 2>>(six.data())};
+}
+
 /// One phase for all axes where that explains as much, sine and cosine of each axis else.
-Found line(const Target& t, const Series& t_s, double frequency_Hz, const Eigen::Matrix<double, 3, 2>& amplitude,
-           double nats_of_own_phases) {
+Found line(const SensorSearch& search, const Window& window, const Swing& swing) {
+  const Sensor k = search.sensor;
   Found f;
-  f.id = std::string(kSensorName[t.sensor]) + (t.sensor == kMag ? "_line" : "_alias");
-  f.unit = kSensorUnit[t.sensor];
+  f.id = std::string(kSensorName[k]) + (k == kMag ? "_line" : "_alias");
+  f.unit = kSensorUnit[k];
   f.equation = "delta = b sin(2 pi f t + phase)";
   f.driver = "time: a line at one frequency, or folded to it from beyond half the sampling rate";
-  f.shape = frequency_Hz;
+  f.window = window;
+  f.shape = swing.frequency_Hz;
+  f.shape_sd = deviation_Hz(std::max(swing.gain_nats, 1.0), window, search.target);
   f.shape_name = "f";
   f.shape_unit = "Hz";
-  f.fixed["f_hz"] = frequency_Hz;
-  const Eigen::ArrayXd angle = 2.0 * std::numbers::pi * frequency_Hz * t_s.array();
-  if (nats_of_own_phases < kOwnPhaseNats) {
-    const Eigen::JacobiSVD<Eigen::MatrixXd> svd(amplitude, Eigen::ComputeThinV);
+  f.fixed["f_hz"] = swing.frequency_Hz;
+  const Eigen::JacobiSVD<Eigen::MatrixXd> svd(swing.amplitude, Eigen::ComputeThinV);
+  const double strong = svd.singularValues()[0], weak = svd.singularValues()[1];
+  if (swing.gain_nats * weak * weak / (strong * strong) < kOwnPhaseNats) {
     const double phase = std::atan2(svd.matrixV()(1, 0), svd.matrixV()(0, 0));
     f.fixed["phase_rad"] = phase;
     f.names = {"b_x", "b_y", "b_z"};
-    f.columns = on_each_axis((angle + phase).sin());
+    const Eigen::ArrayXd angle = 2.0 * std::numbers::pi * swing.frequency_Hz * search.t_s.array() + phase;
+    f.columns = in_window(on_each_axis(angle.sin()), window);
     return f;
   }
-  if (t.sensor == kGyr) f.id = "gyr_coning";
+  if (k == kGyr) f.id = "gyr_coning";
   f.equation = "delta_i = s_i sin(2 pi f t) + c_i cos(2 pi f t)";
   f.names = {"s_x", "s_y", "s_z", "c_x", "c_y", "c_z"};
-  f.columns = on_each_axis(angle.sin());
-  const Columns cosines = on_each_axis(angle.cos());
-  f.columns.insert(f.columns.end(), cosines.begin(), cosines.end());
+  f.columns = swings(search, window, swing.frequency_Hz);
   return f;
 }
 
@@ -197,7 +234,6 @@ std::optional<Found> line_in(const Signals& s, const SensorSearch& search) {
   auto [plain, left] = unexplained(search);
   const auto peak = sharpest(left, search.t_s, plain.rows.step_s);
   if (!peak) return std::nullopt;
-  Found f;
   const double bin_Hz = bin_width_Hz(left.rows(), plain.rows.step_s), half_rate_Hz = 0.5 / plain.rows.step_s;
   double frequency_Hz = peak->frequency_Hz;
   const Window window = stretch_of_line(left, plain.layout, search.t_s, frequency_Hz, plain.rows.step_s);
@@ -206,22 +242,19 @@ std::optional<Found> line_in(const Signals& s, const SensorSearch& search) {
     frequency_Hz = refined(left, search.t_s, frequency_Hz, bin_Hz, half_rate_Hz);
   }
   if (!s.exact_reference && !stands_in_reading(s, plain.sensor, left, window, frequency_Hz)) return std::nullopt;
+  Found f;
   if (half_rate_Hz - frequency_Hz < kSameFrequency * bin_Hz) {
     if (plain.sensor != kMag) return std::nullopt;
     f = flip(plain);
   } else {
-    const auto amplitude = amplitudes(left, search.t_s, frequency_Hz);
-    const Eigen::JacobiSVD<Eigen::MatrixXd> svd(amplitude);
-    const double strong = svd.singularValues()[0], weak = svd.singularValues()[1];
-    const double nats = 0.5 * peak->over_background * weak * weak / (strong * strong);
-    f = line(plain, search.t_s, frequency_Hz, amplitude, nats);
-    const double lasts_s =
-        window.local ? static_cast<double>(window.end - window.begin) * plain.rows.step_s : plain.duration_s;
-    f.shape_sd = std::sqrt(12.0) / (2.0 * std::numbers::pi * lasts_s * std::sqrt(peak->over_background));
-    f.window = window;
-    f.columns = in_window(std::move(f.columns), window);
+    f = line(search, window,
+             sharpened(search, window, frequency_Hz, deviation_Hz(peak->over_background, window, plain)));
   }
   f.kind = Kind::kNamed;
+  if (!s.exact_reference && others_swing_too(s, plain.sensor, window, frequency_Hz)) {
+    f.kind = Kind::kConfiguration;
+    f.id = kBodyVibration;
+  }
   f.units.assign(f.names.size(), f.unit);
   return f;
 }

@@ -3,14 +3,20 @@
 /// for in the periodogram of the residual itself.
 #pragma once
 #include <optional>
+#include <string_view>
 
+#include "diagnosis/reference/laws.h"
 #include "diagnosis/reference/selection.h"
 
 namespace stillpoint::diag {
 
-/// acc_alias, gyr_alias or gyr_coning, mag_line; mag_flip where the line lies at half the sampling rate. The gain is
-/// left to the caller.
+/// acc_alias, gyr_alias or gyr_coning, mag_line; mag_flip where the line lies at half the sampling rate;
+/// kBodyVibration where the reference may not see it and another sensor does. The gain is left to the caller.
 [[nodiscard]] std::optional<Found> line_in(const Signals& s, const SensorSearch& search);
+
+[[nodiscard]] inline bool is_line(std::string_view id) {
+  return id.ends_with("_alias") || id.ends_with("_coning") || id == "mag_line" || id == kBodyVibration;
+}
 
 /// The sharpest line of these rows, if there is one: in the whole, or in a half or a quarter that it fills better.
 [[nodiscard]] std::optional<double> sharpest_line_Hz(const Series3& left, const Series& t_s, double step_s);

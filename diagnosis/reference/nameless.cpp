@@ -87,10 +87,14 @@ sim::EffectConfig drift_effect(Sensor sensor, const Finished& finished) {
   return e;
 }
 
+void without_noise_of(Sensor k, Diagnosis& out) {
+  std::erase_if(out.noise, [k](const NoiseFault& n) { return n.channel.starts_with(kSensorName[k]); });
+}
+
 void tell_swings(const Signals& s, const SensorSearch& search, const Finished& finished, Diagnosis& out) {
   auto swings = swings_at_rest(s, search, finished);
   if (!swings) return;
-  std::erase_if(out.noise, [&](const NoiseFault& n) { return n.channel.starts_with(kSensorName[search.sensor]); });
+  without_noise_of(search.sensor, out);
   out.unaccounted.push_back(std::move(*swings));
   out.notices.push_back(fmt::format(
       "{}: the body vibrates where the reference cannot see it, or the sensor makes a line of varying frequency. "

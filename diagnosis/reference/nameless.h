@@ -21,6 +21,9 @@ namespace stillpoint::diag {
 [[nodiscard]] Finding drift_finding(const Signals& s, const SensorSearch& search, const Finished& finished);
 [[nodiscard]] sim::EffectConfig drift_effect(Sensor sensor, const Finished& finished);
 
+/// What differs from row to row for another reason says nothing of the noise.
+void without_noise_of(Sensor k, Diagnosis& out);
+
 /// What swings at rest is no white noise that the simulation could have: told in words, and taken out of the noise.
 void tell_swings(const Signals& s, const SensorSearch& search, const Finished& finished, Diagnosis& out);
 

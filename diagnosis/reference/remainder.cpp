@@ -75,7 +75,12 @@ void configuration_of(const Signals& s, const SensorSearch& search, const Finish
   Diagnosis& out = answer.diagnosis;
   const std::string sensor = kSensorName[search.sensor];
   for (const Found& f : search.found)
-    if (f.id == kSmoothedReference)
+    if (f.id == kBodyVibration)
+      out.notices.push_back(
+          fmt::format("{}: swings at {:.4g} Hz, and so does another sensor: the body vibrates there, or at a frequency "
+                      "that the rows fold there, and the reference does not see it; allowed for",
+                      sensor, f.shape));
+    else if (f.id == kSmoothedReference)
       out.notices.push_back(fmt::format(
           "reference: its attitudes are smoothed, or drawn as lines between slower frames; allowed for in {}", sensor));
     else if (f.kind == Kind::kConfiguration)

@@ -254,8 +254,8 @@ std::optional<Found> next_effect(const Signals& s, SensorSearch& search) {
 }
 
 void accept(SensorSearch& search, Found found) {
-  if (search.found.empty()) search.first_gain = found.gain_nats;
-  search.first_gain = std::max(search.first_gain, found.gain_nats);
+  // What the body does says nothing of how small an effect may be.
+  if (found.id != kBodyVibration) search.first_gain = std::max(search.first_gain, found.gain_nats);
   add_to(search, std::move(found));
   if (search.found.size() < 2) return;
   const double all = fit_profile(search.beside_walk(), search.explained()).log_likelihood;

@@ -17,7 +17,7 @@ constexpr Eigen::Index kBlock = 48;       // rows
 constexpr std::size_t kBlocks = 4;        // those that bend most
 constexpr double kMeets = 0.3;            // rms off the chords over that with frames half a step off; 1 for any curve
 constexpr double kAmplified = 30.0;       // variance of a frame over that of a row: left out beyond
-constexpr int kShapes = 3;                // rounds in which the chord's form follows from how far frames are apart
+constexpr int kShapes = 2;                // rounds in which the chord's form follows from how far frames are apart
 
 struct Clock {
   double middle_s, step_s;  ///< a frame stands at middle_s
@@ -102,10 +102,41 @@ Frames<N> fit(const Stretch<N>& s, const Layout& layout) {
   return out;
 }
 
+/// How the values between two frames were made; the first is the only one for positions.
+enum class Chord { kLine, kLineOfLengthOne, kGreatCircle };
+
+/// Shares of a row on a chord whose ends are `angle` apart (of the quaternions: half that of the body).
+Share shaped(Share w, Chord chord, double angle) {
+  const double a = w.after, line = 1.0 - a;
+  if (chord == Chord::kLineOfLengthOne) {
+    const double length = std::sqrt(line * line + a * a + 2.0 * line * a * std::cos(angle));
+    return {w.k, line / length, a / length};
+  }
+  if (chord == Chord::kGreatCircle && angle > 1e-6)
+    return {w.k, std::sin(line * angle) / std::sin(angle), std::sin(a * angle) / std::sin(angle)};
+  return w;
+}
+
 template <int N>
-double off(const std::vector<Stretch<N>>& all, const Clock& clock) {
+Frames<N> fit_chord(const Stretch<N>& s, const Layout& lines, Chord chord) {
+  Frames<N> frames = fit(s, lines);
+  for (int round = 0; chord != Chord::kLine && round < kShapes; ++round) {
+    Layout curved = lines;
+    for (Share& w : curved.rows) {
+      const auto a = frames.value.row(w.k).normalized(), b = frames.value.row(w.k + 1).normalized();
+      w = shaped(w, chord, std::acos(std::clamp(a.dot(b), -1.0, 1.0)));
+    }
+    frames = fit(s, curved);
+  }
+  return frames;
+}
+
+/// What the chords leave of the rows. Any chord of quaternions is shorter than the arc, whoever joined the frames.
+template <int N>
+double off(const std::vector<Stretch<N>>& all, const Clock& clock,
+           Chord chord = N == 4 ? Chord::kGreatCircle : Chord::kLine) {
   double sum = 0.0;
-  for (const Stretch<N>& s : all) sum += fit(s, layout_of(s, clock)).off;
+  for (const Stretch<N>& s : all) sum += fit_chord(s, layout_of(s, clock), chord).off;
   return sum;
 }
 
@@ -231,52 +262,16 @@ std::vector<Stretch<N>> stretches_of(const io::Recording& r, const std::vector<V
   return out;
 }
 
-/// How the values between two frames were made; the first is the only one for positions.
-enum class Chord { kLine, kLineOfLengthOne, kGreatCircle };
-
-/// Shares of a row on a chord whose ends are `angle` apart (of the quaternions: half that of the body).
-Share shaped(Share w, Chord chord, double angle) {
-  const double a = w.after, line = 1.0 - a;
-  if (chord == Chord::kLineOfLengthOne) {
-    const double length = std::sqrt(line * line + a * a + 2.0 * line * a * std::cos(angle));
-    return {w.k, line / length, a / length};
-  }
-  if (chord == Chord::kGreatCircle && angle > 1e-6)
-    return {w.k, std::sin(line * angle) / std::sin(angle), std::sin(a * angle) / std::sin(angle)};
-  return w;
-}
-
-template <int N>
-Frames<N> fit_chord(const Stretch<N>& s, const Layout& lines, Chord chord) {
-  Frames<N> frames = fit(s, lines);
-  for (int round = 0; chord != Chord::kLine && round < kShapes; ++round) {
-    Layout curved = lines;
-    for (Share& w : curved.rows) {
-      const auto a = frames.value.row(w.k).normalized(), b = frames.value.row(w.k + 1).normalized();
-      w = shaped(w, chord, std::acos(std::clamp(a.dot(b), -1.0, 1.0)));
-    }
-    frames = fit(s, curved);
-  }
-  return frames;
-}
-
-template <int N>
-double off_chords(const std::vector<Stretch<N>>& all, const Clock& clock, Chord chord) {
-  double sum = 0.0;
-  for (const Stretch<N>& s : all) sum += fit_chord(s, layout_of(s, clock), chord).off;
-  return sum;
-}
-
 /// The frames on this clock, where the column was drawn between them.
 template <int N, class Value>
 void read_frames(const std::vector<Stretch<N>>& all, const Clock& clock, std::vector<double>& t_s,
                  std::vector<Value>& values) {
   Chord chord = Chord::kLine;
-  double least = off(all, clock);
+  double least = off(all, clock, chord);
   if (N == 4)
     for (const Chord tried : {Chord::kLineOfLengthOne, Chord::kGreatCircle})
-      if (const double here = off_chords(all, clock, tried); here < least) least = here, chord = tried;
-  if (least >= kMeets * kMeets * off_chords(all, half_a_step_later(clock), chord)) return;
+      if (const double here = off(all, clock, tried); here < least) least = here, chord = tried;
+  if (least >= kMeets * kMeets * off(all, half_a_step_later(clock), chord)) return;
   for (const Stretch<N>& s : all) {
     const Layout layout = layout_of(s, clock);
     const Frames<N> frames = fit_chord(s, layout, chord);

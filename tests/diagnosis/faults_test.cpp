@@ -44,6 +44,21 @@ TEST(DigitalFaults, RowsThatOneSensorRepeatsAreFound) {
   EXPECT_EQ(rows.front(), 50U);
 }
 
+/// A line near half the rate beats with the rows: for some of them nothing moves, in any axis.
+TEST(DigitalFaults, WhatALineBeatsToAStandstillIsNotRepeated) {
+  for (unsigned seed = 0; seed < 20; ++seed) {
+    std::mt19937 random(seed);
+    std::normal_distribution<double> noise(0.0, 0.8 * kStep);
+    std::vector<Axis> axes(3);
+    for (std::size_t a = 0; a < 3; ++a) {
+      for (std::size_t i = 0; i < 8000; ++i)
+        axes[a].y.push_back(kStep * std::round(6.0 * std::sin(3.02 * static_cast<double>(i)) + noise(random) / kStep));
+      axes[a].printed = kStep;
+    }
+    EXPECT_TRUE(find_random_repeats(axes, {}).empty()) << seed;
+  }
+}
+
 TEST(DigitalFaults, AFlippedBitIsAPowerOfTwoInSteps) {
   auto axes = readings(6000, 2);
   int bit = 6;
