@@ -7,6 +7,7 @@
 
 #include "core/so3.h"
 #include "diagnosis/reference/decimals.h"
+#include "diagnosis/reference/lines.h"
 #include "diagnosis/reference/rest.h"
 
 namespace stillpoint::diag {
@@ -16,7 +17,7 @@ constexpr double kExactJitter_rad = 2e-6;  // a reference quieter than this is a
 constexpr double kSeenOverNoise = 0.05;    // an error of the reference that a sensor of this noise would show
 constexpr double kKept = 0.6;  // of the rows, for which errors up to the next number times the noise are borne
 constexpr double kBorneOverNoise = 0.3;
-constexpr double kOften = 0.3;        // of the rows
+constexpr double kUnresolved = 0.25;  // of the rate of the rows: a derivative of 17 of them errs beyond
 constexpr double kFreeOfIt = 0.01;    // of the noise
 constexpr double kAside_s = 0.3;      // from what is not
 constexpr double kAboveStamps = 2.0;  // what the noise of stamps leaves between two stencils is less than itself
@@ -120,6 +121,14 @@ Mask near_above(const Series& near, double level) {
   return out;
 }
 
+/// As a rotor does: the strongest line of the readings is faster than a derivative resolves. Steps and strokes are fast
+/// for a moment only.
+bool vibrates(const Signals& s, Sensor k) {
+  const Series3 x = s.reading[k].rowwise() - s.reading[k].colwise().mean();
+  const auto line_Hz = sharpest_line_Hz(x, s.t_s, s.dt_s);
+  return line_Hz && *line_Hz > kUnresolved / s.dt_s;
+}
+
 /// A vibration near half the rate of the reference cannot be differentiated: where what is left of the error stands
 /// above the noise of the stamps and reaches the sensor's noise, nothing can be compared. A noisy camera carries its
 /// noise there, and no error is seen.
@@ -134,8 +143,8 @@ void mute_unresolved(Signals& s, const std::array<Series, 2>& error, const std::
     for (Eigen::Index i = 0; i < s.n; ++i)
       if (std::uint8_t& muted = s.muted[k][static_cast<std::size_t>(i)]; near[i] > harmless && !muted)
         muted = 1, ++count;
-    if (static_cast<double>(count) > kOften * static_cast<double>(s.n)) {
-      // Then what is left is no motion but where it swells and fades, and the two stencils agree on a folded frequency.
+    if (vibrates(s, k)) {
+      // Where it swells and fades the two stencils may agree, on the frequency to which the rows fold it.
       const Mask fast = near_above(near, kFreeOfIt * s.noise_sd[k]);
       mute_beside(fast, static_cast<Eigen::Index>(kAside_s / s.dt_s), s.muted[k]);
       count = std::count(fast.begin(), fast.end(), 1);

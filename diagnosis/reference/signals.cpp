@@ -75,16 +75,23 @@ void read_drivers(Signals& s, const io::Recording& recording) {
 }
 
 /// At rest nothing moves: there the vector is one value a rest, or the sensor's own noise would stand in residual and
-/// driver alike.
-void hold_at_rest(Signals& s) {
-  const auto hold = [](auto rows) { rows.rowwise() = rows.colwise().mean().eval(); };
+/// driver alike. What bridges a gap of the reference counts for no attitude.
+void hold_at_rest(Signals& s, const Mask& lost) {
   for (Eigen::Index begin = 0; begin < s.n; ++begin) {
     Eigen::Index end = begin;
     while (end < s.n && s.rest[static_cast<std::size_t>(end)]) ++end;
     if (end == begin) continue;
-    for (Series3& v : s.vector) hold(v.middleRows(begin, end - begin));
-    for (Series3& v : s.world_axis) hold(v.middleRows(begin, end - begin));
-    s.vector[kGyr].middleRows(begin, end - begin).setZero();
+    const Eigen::Index length = end - begin;
+    Series seen(length);
+    for (Eigen::Index i = 0; i < length; ++i) seen[i] = lost[static_cast<std::size_t>(begin + i)] ? 0.0 : 1.0;
+    if (seen.sum() == 0.0) seen.setOnes();
+    const auto hold = [&](Series3& x) {
+      auto rows = x.middleRows(begin, length);
+      rows.rowwise() = (seen.transpose() * rows / seen.sum()).eval();
+    };
+    for (Series3& v : s.vector) hold(v);
+    for (Series3& v : s.world_axis) hold(v);
+    s.vector[kGyr].middleRows(begin, length).setZero();
     begin = end;
   }
 }
@@ -134,9 +141,7 @@ void choose_vectors(Signals& s, const Mask& lost) {
     if (!predicted) s.band_hz[static_cast<std::size_t>(k)] = band_hz;
     s.vector[k] = limited_to(band_hz, s.vector[k]);
   }
-  if (!s.exact_reference) {
-    hold_at_rest(s);
-  }
+  if (!s.exact_reference) hold_at_rest(s, lost);
   if (!s.exact_reference && !s.from_log) {
     // Of the same turns as the world's axes: where the two differ by their noise only, a field of the world that is
     // nothing but that noise would be fitted to it.

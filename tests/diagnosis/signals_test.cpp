@@ -85,6 +85,32 @@ TEST(Signals, HoldsTheDriverStillAtRest) {
   EXPECT_GT(rests, 200);
 }
 
+/// A bridge carries two noisy values through the whole gap; the rows that were measured say more of the rest.
+TEST(Signals, TakeTheAttitudeOfARestFromWhatWasMeasured) {
+  sim::SimulationConfig config = baseline();
+  config.motion->kind = "rest_poses";
+  config.motion->max_rest_s = 8.0;
+  io::Recording r = io::to_recording(sim::simulate(config, 5));
+  const auto whole = make_signals(r, config, {});
+  ASSERT_TRUE(whole);
+  std::size_t begin = 400, end = begin;
+  for (std::size_t b = 0, e = 0; b < r.size(); b = e + 1) {
+    for (e = b; e < r.size() && whole->rest[e]; ++e) continue;
+    if (e - b > end - begin) begin = b, end = e;
+  }
+  ASSERT_GT(end - begin, 600U);
+  const std::size_t first = begin + 100, last = end - 100;
+  for (std::size_t i = first; i <= last; ++i) r.ref_q_world_body[i].setConstant(io::kMissing);
+  for (const std::size_t beside : {first - 1, last + 1})
+    r.ref_q_world_body[beside] += 0.01 * Eigen::Vector4d(-r.ref_q_world_body[beside][1], r.ref_q_world_body[beside][0],
+                                                         r.ref_q_world_body[beside][3], -r.ref_q_world_body[beside][2]);
+  const auto lost = make_signals(r, config, {});
+  ASSERT_TRUE(lost);
+  const auto middle = static_cast<Eigen::Index>((begin + end) / 2);
+  for (std::size_t axis = 0; axis < 3; ++axis)
+    EXPECT_LT((lost->world_axis[axis].row(middle) - whole->world_axis[axis].row(middle)).norm(), 2.5e-3) << axis;
+}
+
 TEST(Signals, FindNoRestWhereAQuietBoatSwings) {
   auto config = baseline();
   config.motion->kind = "boat";
