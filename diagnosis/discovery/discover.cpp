@@ -115,7 +115,7 @@ bool may_be_stated(const Signals& s, const SensorSearch& search, const Found& la
   SensorSearch with = search;
   with.found.push_back(law);
   const HeldOut held_out = held_out_by_regime(with, {with.found.size() - 1});
-  return !fails_elsewhere(held_out) && !leaves_more(held_out);
+  return !fails_elsewhere(held_out, law.id) && !leaves_more(held_out);
 }
 
 /// The rate of the reading itself beside a delay or filter of it: the two would share one cause.

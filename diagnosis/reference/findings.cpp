@@ -194,7 +194,7 @@ Stated stated_of(const Signals& s, const SensorSearch& search, const Finished& f
     std::string why;  // not to state it
     if (!has_possible_numbers(search, i, finished))
       why = "its numbers are none that a sensor has";
-    else if (fails_elsewhere(held_out))
+    else if (fails_elsewhere(held_out, f.id))
       why = fmt::format("on {} left out of its fit it removes {:.2g} of what is removable", held_out.on,
                         held_out.removable_share_removed);
     else if (f.kind != Kind::kConfiguration && is_the_lattice(s, f, search.sensor, held_out))

@@ -206,9 +206,10 @@ HeldOut held_out_by_regime(const SensorSearch& search, const std::vector<std::si
   return out;
 }
 
-bool fails_elsewhere(const HeldOut& h) {
+bool fails_elsewhere(const HeldOut& h, const std::string& id) {
+  constexpr double kOfACause = 0.7;
   const bool judged = h.share_ci95[1] > h.share_ci95[0];
-  return judged && h.share_ci95[1] < 0.5;
+  return judged && (h.share_ci95[1] < 0.5 || (!is_unknown(id) && h.removable_share_removed < kOfACause));
 }
 
 }  // namespace stillpoint::diag

@@ -22,6 +22,7 @@ constexpr double kTaper = 0.1;                      // of a stretch, at either e
 constexpr double kOverNear = 0.3 * kLeastOverMean;  // a resonance or the motion itself is broad, a line is not
 constexpr Eigen::Index kNear = 12;                  // bins on either side that say so
 constexpr double kSameLine = 2.0;                   // bins
+constexpr double kSameVibration = 0.1;              // of its frequency
 constexpr double kSpeedsShare = 0.3;                // of its speed, that an engine changes by
 constexpr double kSameFrequency =
     0.25;  // of a bin: nearer to half the rate the recording cannot tell a line from a flip
@@ -251,7 +252,11 @@ std::optional<Found> line_in(const Signals& s, const SensorSearch& search) {
              sharpened(search, window, frequency_Hz, deviation_Hz(peak->over_background, window, plain)));
   }
   f.kind = Kind::kNamed;
-  if (!s.exact_reference && others_swing_too(s, plain.sensor, window, frequency_Hz)) {
+  // What is left of a vibration that swells and turns with the body stands beside it.
+  const bool beside = std::any_of(search.found.begin(), search.found.end(), [frequency_Hz](const Found& told) {
+    return told.id == kBodyVibration && std::abs(told.shape - frequency_Hz) < kSameVibration * frequency_Hz;
+  });
+  if (!s.exact_reference && (beside || others_swing_too(s, plain.sensor, window, frequency_Hz))) {
     f.kind = Kind::kConfiguration;
     f.id = kBodyVibration;
   }
