@@ -29,5 +29,31 @@ TEST(CoarseLattice, HidesNoOffsetThatIsLargerThanItsRounding) {
 
 TEST(CoarseLattice, IsNoLaw) { EXPECT_THAT(named_beside(0.0), testing::Each(testing::EndsWith("_quant"))); }
 
+/// At rest the rounding leaves an error in the mean that motion does not have: that looks like an asymmetry. A real one
+/// removes more.
+TEST(CoarseLattice, IsNoAsymmetryAndHidesNone) {
+  for (const double asymmetry : {0.0, 5e-4}) {
+    auto config = test::baseline("exact", 60.0), truth = config;
+    for (auto* c : {&config, &truth}) {
+      c->rate_hz = 100;
+      c->motion->kind = "rest_poses";
+      c->gyroscope->noise_sd = c == &config ? 4.3e-4 : 3e-4;  // with its rounding, and before
+      c->gyroscope->bias = Vec3(2.5e-4, -1.3e-3, 8.5e-4);
+      c->accelerometer->noise_sd = 0.0045;
+    }
+    truth.effects.push_back({.id = "gyr_quant",
+                             .parameters = {{"q_radps", std::vector<double>(3, kStep_radps)}},
+                             .axes = {},
+                             .window_s = {}});
+    for (const std::uint64_t seed : {1, 2, 13}) {
+      const std::string id = asymmetry > 0 ? "gyr_asym" : "";
+      const auto said =
+          test::names(diagnose(test::record(truth, id, {{"k", {asymmetry, -asymmetry, asymmetry}}}, seed), config));
+      const auto law = testing::Contains("gyr_asym");
+      EXPECT_TRUE(asymmetry > 0 ? testing::Value(said, law) : !testing::Value(said, law)) << asymmetry << " " << seed;
+    }
+  }
+}
+
 }  // namespace
 }  // namespace stillpoint::diag

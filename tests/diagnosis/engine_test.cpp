@@ -239,6 +239,18 @@ TEST(Evidence, ChiSquareTailMeetsItsTables) {
   EXPECT_NEAR(chi_square_tail(21.666, 9.0), 0.01, 0.0005);
 }
 
+TEST(Evidence, ANameHasToRemoveMostOfWhatIsRemovableElsewhere) {
+  HeldOut h;
+  h.removable_share_removed = 0.6, h.share_ci95 = {0.4, 0.8};
+  EXPECT_TRUE(fails_elsewhere(h, "gyr_asym"));
+  EXPECT_FALSE(fails_elsewhere(h, "unknown:w_y*w_z")) << "one term of several";
+  h.removable_share_removed = 0.75, h.share_ci95 = {0.5, 1.0};
+  EXPECT_FALSE(fails_elsewhere(h, "gyr_asym"));
+  h.removable_share_removed = 0.3, h.share_ci95 = {0.15, 0.45};
+  EXPECT_TRUE(fails_elsewhere(h, "unknown:w_y*w_z"));
+  EXPECT_FALSE(fails_elsewhere(HeldOut{}, "gyr_asym")) << "nothing was held out";
+}
+
 TEST(Summary, JsonHoldsTheContractsKeys) {
   Diagnosis d;
   d.verdict = Verdict::kExplained;
