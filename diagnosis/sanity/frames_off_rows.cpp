@@ -15,9 +15,10 @@ constexpr double kClockStep = 0.002;      // of the step: 0.04 of a frame from t
 constexpr int kPhases = 16;               // of a frame
 constexpr Eigen::Index kBlock = 48;       // rows
 constexpr std::size_t kBlocks = 4;        // those that bend most
-constexpr double kMeets = 0.3;            // rms off the chords over that with frames half a step off; 1 for any curve
-constexpr double kAmplified = 30.0;       // variance of a frame over that of a row: left out beyond
-constexpr int kShapes = 2;                // rounds in which the chord's form follows from how far frames are apart
+constexpr std::size_t kBlocksSharpened = 60;
+constexpr double kMeets = 0.3;       // rms off the chords over that with frames half a step off; 1 for any curve
+constexpr double kAmplified = 30.0;  // variance of a frame over that of a row: left out beyond
+constexpr int kShapes = 2;           // rounds in which the chord's form follows from how far frames are apart
 
 struct Clock {
   double middle_s, step_s;  ///< a frame stands at middle_s
@@ -178,14 +179,20 @@ std::optional<Clock> clock_of_block(const Stretch<N>& block, double row_s) {
   return best;
 }
 
+/// Rows that reach so far from the frame in the middle; of many, blocks that are spread evenly over them.
 template <int N>
 std::vector<Stretch<N>> within(const std::vector<Stretch<N>>& all, double middle_s, double reach_s) {
-  std::vector<Stretch<N>> out;
+  std::vector<Stretch<N>> blocks;
   for (const Stretch<N>& s : all) {
-    const auto begin = std::lower_bound(s.t_s.begin(), s.t_s.end(), middle_s - reach_s);
-    const auto end = std::upper_bound(begin, s.t_s.end(), middle_s + reach_s);
-    if (end - begin >= 4) out.push_back(part(s, begin - s.t_s.begin(), end - begin));
+    const auto first = std::lower_bound(s.t_s.begin(), s.t_s.end(), middle_s - reach_s);
+    const auto last = std::upper_bound(first, s.t_s.end(), middle_s + reach_s);
+    const Eigen::Index end = last - s.t_s.begin();
+    for (Eigen::Index begin = first - s.t_s.begin(); begin + 4 <= end; begin += kBlock)
+      blocks.push_back(part(s, begin, std::min(kBlock, end - begin)));
   }
+  const std::size_t every = blocks.size() / kBlocksSharpened + 1;
+  std::vector<Stretch<N>> out;
+  for (std::size_t i = 0; i < blocks.size(); i += every) out.push_back(std::move(blocks[i]));
   return out;
 }
 
@@ -297,6 +304,7 @@ std::optional<FramesOffRows> frames_off_rows(const io::Recording& r) {
   out.step_s = clock->step_s;
   read_frames(turns, *clock, out.turns_t_s, out.turns_world_body);
   read_frames(places, *clock, out.places_t_s, out.places_m);
+  if (out.turns_t_s.empty() && out.places_t_s.empty()) return std::nullopt;
   return out;
 }
 
