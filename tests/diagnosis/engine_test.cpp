@@ -241,10 +241,12 @@ TEST(Evidence, ChiSquareTailMeetsItsTables) {
 
 TEST(Evidence, ANameHasToRemoveMostOfWhatIsRemovableElsewhere) {
   HeldOut h;
-  h.removable_share_removed = 0.6, h.share_ci95 = {0.4, 0.8};
+  h.removable_share_removed = 0.6, h.share_ci95 = {0.4, 0.8}, h.gain_nats = 200.0;
   EXPECT_TRUE(fails_elsewhere(h, "gyr_asym"));
   EXPECT_FALSE(fails_elsewhere(h, "unknown:w_y*w_z")) << "one term of several";
-  h.removable_share_removed = 0.75, h.share_ci95 = {0.5, 1.0};
+  h.gain_nats = 20.0;
+  EXPECT_FALSE(fails_elsewhere(h, "gyr_asym")) << "the noise leaves as little";
+  h.removable_share_removed = 0.75, h.share_ci95 = {0.5, 1.0}, h.gain_nats = 200.0;
   EXPECT_FALSE(fails_elsewhere(h, "gyr_asym"));
   h.removable_share_removed = 0.3, h.share_ci95 = {0.15, 0.45};
   EXPECT_TRUE(fails_elsewhere(h, "unknown:w_y*w_z"));

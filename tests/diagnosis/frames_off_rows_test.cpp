@@ -1,11 +1,15 @@
 /// The frames of a camera that was drawn as lines onto rows with another clock, read back from the lines.
 #include "diagnosis/sanity/frames_off_rows.h"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <filesystem>
 #include <functional>
 #include <random>
+
+#include "tests/source_folder.h"
 
 namespace stillpoint::diag {
 namespace {
@@ -121,6 +125,20 @@ TEST(FramesOffRows, AreNotSeenInWhatWasMeasuredInEveryRow) {
   for (const Camera& camera : {Camera{kStep_s, 3e-4, great_circle}, Camera{0.4 * kStep_s, 3e-4, great_circle},
                                Camera{0.001 * kStep_s, 0.0, great_circle}})
     EXPECT_FALSE(frames_off_rows(drawn(camera))) << camera.frame_s;
+}
+
+/// BROAD's cameras took 120 frames a second (Laidig et al. 2021); its files hold 286 rows.
+TEST(FramesOffRows, OfARealTrackerAreThoseThatItTook) {
+  for (const char* trial : {"03_undisturbed_slow_rotation_C", "15_undisturbed_fast_translation_A"}) {
+    const std::string path = in_source(fmt::format("../shared/recordings/broad/{}.csv", trial));
+    if (!std::filesystem::exists(path)) GTEST_SKIP() << "LOUD: SKIPPED, recording absent: " << path;
+    const auto recording = io::read_recording(path);
+    ASSERT_TRUE(recording);
+    const auto found = frames_off_rows(*recording);
+    ASSERT_TRUE(found) << trial;
+    EXPECT_NEAR(1.0 / found->step_s, 120.0, 0.02) << trial;
+    EXPECT_GT(found->turns_t_s.size(), recording->size() / 3) << trial;
+  }
 }
 
 }  // namespace
