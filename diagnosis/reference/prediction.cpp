@@ -4,10 +4,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <unsupported/Eigen/FFT>
 
 #include "core/so3.h"
 #include "diagnosis/reference/decimals.h"
-#include "diagnosis/reference/lines.h"
 #include "diagnosis/reference/rest.h"
 
 namespace stillpoint::diag {
@@ -17,10 +17,11 @@ constexpr double kExactJitter_rad = 2e-6;  // a reference quieter than this is a
 constexpr double kSeenOverNoise = 0.05;    // an error of the reference that a sensor of this noise would show
 constexpr double kKept = 0.6;  // of the rows, for which errors up to the next number times the noise are borne
 constexpr double kBorneOverNoise = 0.3;
-constexpr double kUnresolved = 0.25;  // of the rate of the rows: a derivative of 17 of them errs beyond
-constexpr double kFreeOfIt = 0.01;    // of the noise
-constexpr double kAside_s = 0.3;      // from what is not
-constexpr double kAboveStamps = 2.0;  // what the noise of stamps leaves between two stencils is less than itself
+constexpr double kUnresolved = 0.25;   // of the rate of the rows: a derivative of 17 of them errs beyond
+constexpr double kRotorsWidth = 0.02;  // of its frequency, on either side
+constexpr double kFreeOfIt = 0.01;     // of the noise
+constexpr double kAside_s = 0.3;       // from what is not
+constexpr double kAboveStamps = 2.0;   // what the noise of stamps leaves between two stencils is less than itself
 
 using Turns = Eigen::Matrix<double, Eigen::Dynamic, 4>;
 
@@ -121,12 +122,25 @@ Mask near_above(const Series& near, double level) {
   return out;
 }
 
-/// As a rotor does: the strongest line of the readings is faster than a derivative resolves. Steps and strokes are fast
-/// for a moment only.
+/// As a rotor does: most of what the readings hold beyond the reach of a derivative is at one frequency. Steps and
+/// strokes are fast for a moment, and spread over all.
 bool vibrates(const Signals& s, Sensor k) {
-  const Series3 x = s.reading[k].rowwise() - s.reading[k].colwise().mean();
-  const auto line_Hz = sharpest_line_Hz(x, s.t_s, s.dt_s);
-  return line_Hz && *line_Hz > kUnresolved / s.dt_s;
+  Series power = Series::Zero(s.n / 2);
+  Eigen::FFT<double> fft;
+  for (int axis = 0; axis < 3; ++axis) {
+    Eigen::VectorXcd spectrum;
+    const Series x = s.reading[k].col(axis);
+    fft.fwd(spectrum, x);
+    power += spectrum.head(s.n / 2).cwiseAbs2();
+  }
+  const auto first = static_cast<Eigen::Index>(kUnresolved * static_cast<double>(s.n));
+  Eigen::Index peak = 0;
+  const double all = power.tail(power.size() - first).sum();
+  power.tail(power.size() - first).maxCoeff(&peak);
+  peak += first;
+  const auto width = static_cast<Eigen::Index>(kRotorsWidth * static_cast<double>(peak));
+  const Eigen::Index begin = std::max(first, peak - width), end = std::min(peak + width + 1, power.size());
+  return power.segment(begin, end - begin).sum() > 0.5 * all;
 }
 
 /// A vibration near half the rate of the reference cannot be differentiated: where what is left of the error stands
