@@ -17,7 +17,9 @@ constexpr double kExactJitter_rad = 2e-6;  // a reference quieter than this is a
 constexpr double kSeenOverNoise = 0.05;    // an error of the reference that a sensor of this noise would show
 constexpr double kKept = 0.6;  // of the rows, for which errors up to the next number times the noise are borne
 constexpr double kBorneOverNoise = 0.3;
+constexpr double kOften = 0.3;         // of the rows
 constexpr double kUnresolved = 0.25;   // of the rate of the rows: a derivative of 17 of them errs beyond
+constexpr double kShakes = 0.05;       // of the power of what moves
 constexpr double kRotorsWidth = 0.02;  // of its frequency, on either side
 constexpr double kFreeOfIt = 0.01;     // of the noise
 constexpr double kAside_s = 0.3;       // from what is not
@@ -140,7 +142,8 @@ bool vibrates(const Signals& s, Sensor k) {
   peak += first;
   const auto width = static_cast<Eigen::Index>(kRotorsWidth * static_cast<double>(peak));
   const Eigen::Index begin = std::max(first, peak - width), end = std::min(peak + width + 1, power.size());
-  return power.segment(begin, end - begin).sum() > 0.5 * all;
+  const double moves = power.tail(power.size() - 1).sum();  // without the mean
+  return all > kShakes * moves && power.segment(begin, end - begin).sum() > 0.5 * all;
 }
 
 /// A vibration near half the rate of the reference cannot be differentiated: where what is left of the error stands
@@ -157,7 +160,7 @@ void mute_unresolved(Signals& s, const std::array<Series, 2>& error, const std::
     for (Eigen::Index i = 0; i < s.n; ++i)
       if (std::uint8_t& muted = s.muted[k][static_cast<std::size_t>(i)]; near[i] > harmless && !muted)
         muted = 1, ++count;
-    if (vibrates(s, k)) {
+    if (static_cast<double>(count) > kOften * static_cast<double>(s.n) && vibrates(s, k)) {
       // Where it swells and fades the two stencils may agree, on the frequency to which the rows fold it.
       const Mask fast = near_above(near, kFreeOfIt * s.noise_sd[k]);
       mute_beside(fast, static_cast<Eigen::Index>(kAside_s / s.dt_s), s.muted[k]);

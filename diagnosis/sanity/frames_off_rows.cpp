@@ -9,7 +9,7 @@
 namespace stillpoint::diag {
 namespace {
 
-constexpr double kLeastRowsAFrame = 1.2;  // with less there are hardly more rows than frames
+constexpr double kLeastRowsAFrame = 1.4;  // with less there are hardly more rows than frames
 constexpr double kLongest_s = 1.0 / 15;   // rows_with_reference.cpp: slower frames do not show how the body moved
 constexpr double kClockStep = 0.002;      // of the step: 0.04 of a frame from the middle of a block to its end
 constexpr int kPhases = 16;               // of a frame
@@ -17,6 +17,7 @@ constexpr Eigen::Index kBlock = 48;       // rows
 constexpr std::size_t kBlocks = 4;        // those that bend most
 constexpr std::size_t kBlocksSharpened = 60;
 constexpr double kMeets = 0.3;       // rms off the chords over that with frames half a step off; 1 for any curve
+constexpr double kTurnsMeet = 0.1;   // a vibration comes near that, but not in place and attitude with one clock
 constexpr double kAmplified = 30.0;  // variance of a frame over that of a row: left out beyond
 constexpr int kShapes = 2;           // rounds in which the chord's form follows from how far frames are apart
 
@@ -198,7 +199,8 @@ std::vector<Stretch<N>> within(const std::vector<Stretch<N>>& all, double middle
 
 template <int N>
 bool meets(const std::vector<Stretch<N>>& all, const Clock& clock) {
-  return off(all, clock) < kMeets * kMeets * off(all, half_a_step_later(clock));
+  constexpr double kLeast = N == 4 ? kTurnsMeet : kMeets;
+  return off(all, clock) < kLeast * kLeast * off(all, half_a_step_later(clock));
 }
 
 /// Blocks of rows that bend most; what hardly moves has no chords.
@@ -298,7 +300,7 @@ std::optional<FramesOffRows> frames_off_rows(const io::Recording& r) {
   const auto turns = stretches_of<4>(r, r.ref_q_world_body, row_s);
   const auto places = stretches_of<3>(r, r.ref_position_m, row_s);
   std::optional<Clock> clock = clock_of(places, row_s);  // its lines are straight
-  if (!clock) clock = clock_of(turns, row_s);
+  if (!clock || !meets(turns, *clock)) clock = clock_of(turns, row_s);
   if (!clock) return std::nullopt;
   FramesOffRows out;
   out.step_s = clock->step_s;

@@ -15,8 +15,8 @@ struct FramesOffRows {
 };
 
 /// Every row lies on a chord between two frames, so that there are more rows than unknown frames: their clock is the
-/// one with which the chords meet all rows, and least squares give the frames. None where no even clock does, where
-/// there are less than 1.2 rows or 15 frames a second.
+/// one with which the chords meet all rows, and least squares give the frames. None where no even clock does so for the
+/// attitudes, where there are less than 1.4 rows or 15 frames a second.
 [[nodiscard]] std::optional<FramesOffRows> frames_off_rows(const io::Recording& recording);
 
 }  // namespace stillpoint::diag
