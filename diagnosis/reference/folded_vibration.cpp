@@ -5,9 +5,9 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
-#include <unsupported/Eigen/FFT>
 
 #include "diagnosis/reference/lines.h"
+#include "diagnosis/reference/response.h"
 
 namespace stillpoint::diag {
 namespace {
@@ -18,26 +18,21 @@ constexpr double kLeastHalfBand_Hz = 1.0;
 constexpr double kUnlike = 0.1;     // of the line's power, that the reference does not show in its own proportions
 constexpr double kOffAFold = 0.05;  // of the rate of the rows: noise
 
-/// The rows' content near one frequency, each bin times a weight.
-template <class Weight>
-Series3 near(const Series3& x, double frequency_Hz, double step_s, const Weight& weight) {
-  const double half_Hz = std::max(kHalfBand * frequency_Hz, kLeastHalfBand_Hz);
-  const double bin_Hz = 1.0 / (static_cast<double>(x.rows()) * step_s);
-  Eigen::FFT<double> fft;
-  Series3 out(x.rows(), 3);
-  for (int axis = 0; axis < 3; ++axis) {
-    Eigen::VectorXcd spectrum;
-    const Series column = x.col(axis);
-    fft.fwd(spectrum, column);
-    for (Eigen::Index k = 0; k < x.rows(); ++k) {
-      const double f = bin_Hz * static_cast<double>(std::min(k, x.rows() - k));
-      spectrum[k] *= std::abs(f - frequency_Hz) > half_Hz ? 0.0 : weight(f);
-    }
-    Series back;
-    fft.inv(back, spectrum);
-    out.col(axis) = back;
-  }
-  return out;
+/// The rows near one frequency.
+Response near(double frequency_Hz) {
+  return band_pass(frequency_Hz, std::max(kHalfBand * frequency_Hz, kLeastHalfBand_Hz));
+}
+
+/// What was not heard counts as nothing.
+Series3 heard(const Signals& s, Sensor k, Series3 x) {
+  for (Eigen::Index i = 0; i < s.n; ++i)
+    if (s.muted[k][static_cast<std::size_t>(i)]) x.row(i).setZero();
+  return x;
+}
+
+/// What the reference predicts of the body's motion alone.
+Series3 motion(const Signals& s, Sensor k) {
+  return k == kAcc ? Series3(s.predicted[kAcc] - s.gravity_mps2 * s.world_axis[2]) : s.predicted[k];
 }
 
 /// The body moves at n fs +- f, the rows at f.
@@ -68,18 +63,12 @@ std::optional<Fold> fold_of(Sensor k, double times, double frequency_Hz, double 
 /// What the derivatives lack, in the axes of the world: in the body's, the slow turn bends what vibrates.
 Series3 lacking(const Signals& s, Sensor k, const Fold& fold, double frequency_Hz) {
   const auto lack = [&](const Series3& x) {
-    return near(x, frequency_Hz, s.dt_s, [&](double f) { return fold.times(k, f) - 1.0; });
+    return apply_response(x, s.rows, [&, band = near(frequency_Hz)](double f) {
+      return f > 0.0 ? band(f) * (fold.times(k, f) - 1.0) : 0.0;
+    });
   };
+  if (k == kAcc) return in_body(s, lack(in_world(s, motion(s, kAcc))));
   Series3 out = Series3::Zero(s.n, 3);
-  if (k == kAcc) {
-    const Series3 moved = s.predicted[kAcc] - s.gravity_mps2 * s.world_axis[2];
-    Series3 world(s.n, 3);
-    for (int a = 0; a < 3; ++a)
-      world.col(a) = moved.cwiseProduct(s.world_axis[static_cast<std::size_t>(a)]).rowwise().sum();
-    world = lack(world);
-    for (int a = 0; a < 3; ++a) out += world.col(a).asDiagonal() * s.world_axis[static_cast<std::size_t>(a)];
-    return out;
-  }
   // An axis x of the world moves as dx/dt = x cross w in the body, so that w = sum (dx/dt cross x) / 2.
   for (const Series3& axis : s.world_axis) {
     const Series3 turns = lack(derivative(axis, s.rows));
@@ -90,13 +79,8 @@ Series3 lacking(const Signals& s, Sensor k, const Fold& fold, double frequency_H
 
 /// Unfolds one line; false where it is no fold.
 bool unfold(Signals& s, Sensor k, const Series3& left, double frequency_Hz) {
-  Series3 moved = s.predicted[k];
-  if (k == kAcc) moved -= s.gravity_mps2 * s.world_axis[2];
-  for (Eigen::Index i = 0; i < s.n; ++i)
-    if (s.muted[k][static_cast<std::size_t>(i)]) moved.row(i).setZero();
-  const auto as_it_is = [](double) { return 1.0; };
-  moved = near(moved, frequency_Hz, s.dt_s, as_it_is);
-  const Series3 residual = near(left, frequency_Hz, s.dt_s, as_it_is);
+  const Series3 moved = apply_response(heard(s, k, motion(s, k)), s.rows, near(frequency_Hz));
+  const Series3 residual = apply_response(left, s.rows, near(frequency_Hz));
   const double power = moved.squaredNorm(), both = moved.cwiseProduct(residual).sum();
   if (power <= 0.0 || both * both < (1.0 - kUnlike) * residual.squaredNorm() * power) return false;
   const auto fold = fold_of(k, 1.0 + both / power, frequency_Hz, 1.0 / s.dt_s);
@@ -117,11 +101,9 @@ void unfold_vibrations(Signals& s) {
     for (int line = 0; line < kMostLines; ++line) {
       Series3 left = s.reading[k] - s.predicted[k];
       left.rowwise() -= left.colwise().mean().eval();
-      for (Eigen::Index i = 0; i < s.n; ++i)
-        if (s.muted[k][static_cast<std::size_t>(i)]) left.row(i).setZero();
+      left = heard(s, k, std::move(left));
       const auto frequency_Hz = sharpest_line_Hz(left, s.t_s, s.dt_s);
-      if (!frequency_Hz) break;
-      if (!unfold(s, k, left, *frequency_Hz)) break;
+      if (!frequency_Hz || !unfold(s, k, left, *frequency_Hz)) break;
     }
   }
 }

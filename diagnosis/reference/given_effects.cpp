@@ -8,6 +8,7 @@
 #include "diagnosis/reference/apparatus.h"
 #include "diagnosis/reference/clock_of_rows.h"
 #include "diagnosis/reference/columns.h"
+#include "diagnosis/reference/lines.h"
 #include "diagnosis/reference/timing_in_window.h"
 #include "simulation/effect_catalogue.h"
 
@@ -103,7 +104,7 @@ bool subtract_linear(Signals& s, Sensor k, const sim::EffectConfig& e, const sim
 /// Lines and flips: functions of time alone.
 bool subtract_line(Signals& s, Sensor k, const sim::EffectConfig& e) {
   const bool coning = e.id == "gyr_coning", flip = e.id == "mag_flip";
-  if (!coning && !flip && !e.id.ends_with("_alias") && e.id != "mag_line") return false;
+  if (!flip && !is_line(e.id)) return false;
   const double turn = 2.0 * std::numbers::pi * scalar(e, "f_hz", 0.0);
   const std::vector<double>& size = e.parameters.at(coning ? "a_rad" : kLineKey[k]);
   Series3 delta(s.n, 3);

@@ -225,10 +225,7 @@ std::optional<double> sharpest_line_Hz(const Series3& left, const Series& t_s, d
 std::optional<double> line_in_world(const Signals& s, const SensorSearch& search) {
   if (s.world_axis[0].rows() != s.n) return std::nullopt;
   const Unexplained body = unexplained(search);
-  Series3 world(s.n, 3);
-  for (int axis = 0; axis < 3; ++axis)
-    world.col(axis) = body.left.cwiseProduct(s.world_axis[static_cast<std::size_t>(axis)]).rowwise().sum();
-  return sharpest_line_Hz(world, search.t_s, body.target.rows.step_s);
+  return sharpest_line_Hz(in_world(s, body.left), search.t_s, body.target.rows.step_s);
 }
 
 std::optional<Found> line_in(const Signals& s, const SensorSearch& search) {

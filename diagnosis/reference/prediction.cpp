@@ -210,16 +210,11 @@ void predict_readings(Signals& s, const Turns& q, const Motion& m) {
     const Mat3 R = Quat(q(i, 0), q(i, 1), q(i, 2), q(i, 3)).normalized().toRotationMatrix();
     for (int a = 0; a < 3; ++a) s.world_axis[static_cast<std::size_t>(a)].row(i) = R.row(a);
   }
-  const auto to_body = [&](const Series3& world) {
-    Series3 body = Series3::Zero(s.n, 3);
-    for (int a = 0; a < 3; ++a) body += world.col(a).asDiagonal() * s.world_axis[static_cast<std::size_t>(a)];
-    return body;
-  };
   Series3 felt = m.acceleration;
   felt.col(2).array() += s.gravity_mps2;
-  s.predicted[kAcc] = to_body(felt);
+  s.predicted[kAcc] = in_body(s, felt);
   s.predicted[kGyr] = m.rate;
-  s.predicted[kMag] = to_body(s.field_world_uT.transpose().replicate(s.n, 1));
+  s.predicted[kMag] = in_body(s, s.field_world_uT.transpose().replicate(s.n, 1));
 }
 
 }  // namespace

@@ -69,6 +69,10 @@ Response low_pass(double pass_Hz) {
   };
 }
 
+Response band_pass(double middle_Hz, double half_Hz) {
+  return [=](double f) -> Complex { return std::abs(f - middle_Hz) > half_Hz ? 0.0 : 1.0; };
+}
+
 Series3 fast_power(const Series3& f, double dt_s, double above_Hz) {
   const Response low = low_pass(above_Hz / 1.5);
   const Series3 fast = on_even_rows(f, dt_s, [&](double x) { return 1.0 - low(x); });

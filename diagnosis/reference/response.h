@@ -18,6 +18,9 @@ using Response = std::function<std::complex<double>(double frequency_Hz)>;
 /// Zero-phase low-pass with a raised-cosine edge between `pass_Hz` and 1.5 `pass_Hz`.
 [[nodiscard]] Response low_pass(double pass_Hz);
 
+/// All within half a band of a frequency, and nothing else.
+[[nodiscard]] Response band_pass(double middle_Hz, double half_Hz);
+
 /// Power above a frequency, averaged over about a second, per axis.
 [[nodiscard]] Series3 fast_power(const Series3& f, double dt_s, double above_Hz);
 /// What the catalogue's <f_hf^2> is: the square of what a first-order high-pass lets through, averaged by a low-pass of

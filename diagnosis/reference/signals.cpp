@@ -173,6 +173,19 @@ void take_prediction(Signals& s, const AlignedLog& log) {
 
 }  // namespace
 
+Series3 in_world(const Signals& s, const Series3& body) {
+  Series3 world(s.n, 3);
+  for (int a = 0; a < 3; ++a)
+    world.col(a) = body.cwiseProduct(s.world_axis[static_cast<std::size_t>(a)]).rowwise().sum();
+  return world;
+}
+
+Series3 in_body(const Signals& s, const Series3& world) {
+  Series3 body = Series3::Zero(s.n, 3);
+  for (int a = 0; a < 3; ++a) body += world.col(a).asDiagonal() * s.world_axis[static_cast<std::size_t>(a)];
+  return body;
+}
+
 Result<Signals> make_signals(const io::Recording& recording, const sim::SimulationConfig& simulation,
                              const std::array<Mask, kSensors>& muted, const AlignedLog* log,
                              Eigen::Index rows_a_frame) {

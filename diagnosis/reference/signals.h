@@ -71,6 +71,10 @@ inline constexpr double kReferenceTemperature_degC = 25.0;
                                            const std::array<Mask, kSensors>& muted, const AlignedLog* log = nullptr,
                                            Eigen::Index rows_a_frame = 1);
 
+/// A vector of the body in the axes of the world, row by row, and back. Needs `world_axis`.
+[[nodiscard]] Series3 in_world(const Signals& s, const Series3& body);
+[[nodiscard]] Series3 in_body(const Signals& s, const Series3& world);
+
 /// Means of `factor` neighbours, for recordings sampled far faster than anything moves. Noise stays white under it.
 [[nodiscard]] Signals thinned(const Signals& s, Eigen::Index factor);
 

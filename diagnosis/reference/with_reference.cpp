@@ -55,12 +55,11 @@ std::array<Mask, kSensors> masks(const Forensics& forensics) {
 
 /// A sensor whose noise does not carry it over its steps shows its lattice at rest, not its physics: the mean of what
 /// noise of 0.4 steps dithers is right to 0.02 steps, of half of that to 0.15 (Widrow & Kollár, Quantization Noise).
-void mute_lattice_at_rest(Signals& s, const Forensics& forensics) {
+void mute_lattice_at_rest(Signals& s) {
   constexpr double kDither = 0.4;
   for (std::size_t k = 0; k < kSensors; ++k) {
-    if (!s.present[k] || !forensics.sensor[k].quantised) continue;
-    const double step = s.lattice_step[k] = forensics.sensor[k].lattice_step.maxCoeff();
-    if (s.noise_sd[k] > kDither * step) continue;
+    const double step = s.lattice_step[k];
+    if (!s.present[k] || step == 0.0 || s.noise_sd[k] > kDither * step) continue;
     for (std::size_t i = 0; i < s.rest.size(); ++i)
       if (s.rest[i]) s.muted[k][i] = 1;
     s.present[k] = std::count(s.muted[k].begin(), s.muted[k].end(), 0) >= std::min(kLeastRows, s.n / 4);
@@ -141,7 +140,9 @@ Answer diagnose_with_reference(const ReferencedRows& rows, const sim::Simulation
         fmt::format("{:.1f} s of recording are too short; record at least {:.0f} s", s.duration_s(), kShortest_s),
         std::move(answer));
   if (!enough_to_compare(s)) return insufficient(s.notices.back(), std::move(answer));
-  mute_lattice_at_rest(s, forensics);
+  for (std::size_t k = 0; k < kSensors; ++k)
+    if (forensics.sensor[k].quantised) s.lattice_step[k] = forensics.sensor[k].lattice_step.maxCoeff();
+  mute_lattice_at_rest(s);
   const std::vector<sim::EffectConfig> given = without_surplus(s, simulation.effects, answer);
   for (const std::string& id : subtract_effects(s, given))
     if (!shows_in_raw_values(id))

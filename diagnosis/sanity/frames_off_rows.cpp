@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include "diagnosis/median.h"
 
@@ -67,7 +66,7 @@ Layout layout_of(const Stretch<N>& s, const Clock& clock) {
 }
 
 template <int N>
-struct Frames {
+struct Fitted {
   Column<N> value;
   Eigen::ArrayXd variance;  ///< over that of a row
   double off = 0.0;         ///< sum of squares of what the chords leave
@@ -75,7 +74,7 @@ struct Frames {
 
 /// Least squares; the normal equations are tridiagonal, and sweeps from both ends give values and variances at once.
 template <int N>
-Frames<N> fit(const Stretch<N>& s, const Layout& layout) {
+Fitted<N> fit(const Stretch<N>& s, const Layout& layout) {
   constexpr double kTiny = 1e-9;  // frames at the ends may have no row
   const Eigen::Index n = layout.frames;
   Eigen::ArrayXd own = Eigen::ArrayXd::Constant(n, kTiny), next = Eigen::ArrayXd::Zero(n);
@@ -94,7 +93,7 @@ Frames<N> fit(const Stretch<N>& s, const Layout& layout) {
     const double back = next[m] / behind[m + 1];
     behind[m] -= back * next[m], from_right.row(m) -= back * from_right.row(m + 1);
   }
-  Frames<N> out;
+  Fitted<N> out;
   out.variance = 1.0 / (ahead + behind - own).max(kTiny);
   out.value = (from_left + from_right - right).array().colwise() * out.variance;
   for (Eigen::Index i = 0; i < s.t_s.size(); ++i) {
@@ -120,8 +119,8 @@ Share shaped(Share w, Chord chord, double angle) {
 }
 
 template <int N>
-Frames<N> fit_chord(const Stretch<N>& s, const Layout& lines, Chord chord) {
-  Frames<N> frames = fit(s, lines);
+Fitted<N> fit_chord(const Stretch<N>& s, const Layout& lines, Chord chord) {
+  Fitted<N> frames = fit(s, lines);
   for (int round = 0; chord != Chord::kLine && round < kShapes; ++round) {
     Layout curved = lines;
     for (Share& w : curved.rows) {
@@ -203,6 +202,12 @@ bool meets(const std::vector<Stretch<N>>& all, const Clock& clock) {
   return off(all, clock) < kLeast * kLeast * off(all, half_a_step_later(clock));
 }
 
+template <int N>
+Column<N> bends(const Stretch<N>& s) {
+  const Column<N> step = s.value.bottomRows(kBlock - 1) - s.value.topRows(kBlock - 1);
+  return step.bottomRows(kBlock - 2) - step.topRows(kBlock - 2);
+}
+
 /// Blocks of rows that bend most; what hardly moves has no chords.
 template <int N>
 std::vector<Stretch<N>> bent_blocks(const std::vector<Stretch<N>>& all) {
@@ -210,9 +215,7 @@ std::vector<Stretch<N>> bent_blocks(const std::vector<Stretch<N>>& all) {
   for (const Stretch<N>& s : all)
     for (Eigen::Index begin = 0; begin + kBlock <= s.t_s.size(); begin += kBlock) {
       Stretch<N> block = part(s, begin, kBlock);
-      const double bend = (block.value.bottomRows(kBlock - 2) - 2.0 * block.value.middleRows(1, kBlock - 2) +
-                           block.value.topRows(kBlock - 2))
-                              .squaredNorm();
+      const double bend = bends(block).squaredNorm();
       blocks.emplace_back(bend, std::move(block));
     }
   std::sort(blocks.begin(), blocks.end(), [](const auto& a, const auto& b) { return a.first > b.first; });
@@ -224,8 +227,7 @@ std::vector<Stretch<N>> bent_blocks(const std::vector<Stretch<N>>& all) {
 /// A curve's bend goes on from row to row; that of chords jumps. Tells most references that were never drawn apart.
 template <int N>
 bool jumps(const Stretch<N>& block) {
-  const Column<N> step = block.value.bottomRows(kBlock - 1) - block.value.topRows(kBlock - 1);
-  const Column<N> bend = step.bottomRows(kBlock - 2) - step.topRows(kBlock - 2);
+  const Column<N> bend = bends(block);
   return (bend.bottomRows(kBlock - 3) - bend.topRows(kBlock - 3)).squaredNorm() > 0.2 * bend.squaredNorm();
 }
 
@@ -275,15 +277,16 @@ std::vector<Stretch<N>> stretches_of(const io::Recording& r, const std::vector<V
 template <int N, class Value>
 void read_frames(const std::vector<Stretch<N>>& all, const Clock& clock, std::vector<double>& t_s,
                  std::vector<Value>& values) {
+  if (all.empty() || !meets(all, clock)) return;
   Chord chord = Chord::kLine;
-  double least = off(all, clock, chord);
-  if (N == 4)
+  if (N == 4) {
+    double least = off(all, clock, chord);
     for (const Chord tried : {Chord::kLineOfLengthOne, Chord::kGreatCircle})
       if (const double here = off(all, clock, tried); here < least) least = here, chord = tried;
-  if (least >= kMeets * kMeets * off(all, half_a_step_later(clock), chord)) return;
+  }
   for (const Stretch<N>& s : all) {
     const Layout layout = layout_of(s, clock);
-    const Frames<N> frames = fit_chord(s, layout, chord);
+    const Fitted<N> frames = fit_chord(s, layout, chord);
     for (Eigen::Index k = 0; k < layout.frames; ++k) {
       const double at = layout.first_s + static_cast<double>(k) * clock.step_s;
       if (frames.variance[k] > kAmplified || (!t_s.empty() && at < t_s.back() + 0.5 * clock.step_s)) continue;
@@ -306,7 +309,6 @@ std::optional<FramesOffRows> frames_off_rows(const io::Recording& r) {
   out.step_s = clock->step_s;
   read_frames(turns, *clock, out.turns_t_s, out.turns_world_body);
   read_frames(places, *clock, out.places_t_s, out.places_m);
-  if (out.turns_t_s.empty() && out.places_t_s.empty()) return std::nullopt;
   return out;
 }
 

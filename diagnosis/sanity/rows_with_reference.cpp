@@ -83,7 +83,7 @@ RowsWithReference rows_with_reference(const io::Recording& given, std::vector<st
   detail::Frames<Vec3> places(r, r.ref_position_m);
   std::optional<FramesOffRows> off_rows;
   if (lines.rows_a_frame == 1 && held == 0) off_rows = frames_off_rows(r);
-  if (off_rows && !off_rows->turns_t_s.empty()) {
+  if (off_rows) {
     turns = {off_rows->turns_t_s, off_rows->turns_world_body};
     forget(r.ref_q_world_body);
   }
