@@ -97,6 +97,18 @@ double readings_due(const std::vector<double>& count, const std::vector<bool>& a
   return due;
 }
 
+/// Whether the readings before a row and after it change by so many steps that one that repeats is no accident of its
+/// lattice.
+bool changes_around(std::span<const Axis> axes, std::size_t row) {
+  constexpr double kSteps = 3.0;
+  return std::any_of(axes.begin(), axes.end(), [row](const Axis& a) {
+    const auto changes = [&](std::size_t from) {
+      return std::abs(a.y[from + 1] - a.y[from]) + std::abs(a.y[from + 2] - a.y[from + 1]) > 2.0 * kSteps * a.grain();
+    };
+    return row >= 3 && row + 2 < a.y.size() && changes(row - 3) && changes(row);
+  });
+}
+
 }  // namespace
 
 std::vector<std::size_t> find_random_repeats(std::span<const Axis> axes, const std::vector<std::uint8_t>& ignore) {
@@ -113,6 +125,7 @@ std::vector<std::size_t> find_random_repeats(std::span<const Axis> axes, const s
       if (!ignore.empty() && ignore[i] != 0) continue;
       if (!std::all_of(axes.begin(), axes.end(), [i](const Axis& a) { return measured(a, i) && measured(a, i - 1); }))
         continue;
+      if (!changes_around(axes, i)) continue;
       ++looked_at;
       const auto repeats = [&](std::size_t a) { return axes[a].y[i] == axes[a].y[i - 1]; };
       const bool zero = axes[0].y[i] == 0.0 && axes[1].y[i] == 0.0 && axes[2].y[i] == 0.0;  // a dead zone's work

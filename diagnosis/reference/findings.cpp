@@ -161,8 +161,9 @@ void say_as_unknown(Finding& f, const char* name, const char* driver) {
 /// error of step / pi exp(-2 (pi sd / step)^2) in the mean, at most (Widrow & Kollár, Quantization Noise); a product
 /// outside the catalogue is free enough to take the rounding itself for one.
 bool is_the_lattice(const Signals& s, const Found& f, Sensor k, const HeldOut& h) {
-  const double step = s.lattice_step[k], before = s.noise_sd[k] * s.noise_sd[k] - step * step / 12.0;
-  if (step < s.noise_sd[k]) return false;
+  const double step = s.lattice_step[k], noise_sd = std::min(s.noise_sd[k], h.rms_after),
+               before = noise_sd * noise_sd - step * step / 12.0;
+  if (step < noise_sd) return false;
   const double removed = h.rms_before * h.rms_before - h.rms_after * h.rms_after;
   if (is_unknown(f.id)) return removed < step * step / 12.0;
   using std::numbers::pi;

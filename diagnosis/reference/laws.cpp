@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "diagnosis/reference/columns.h"
+#include "diagnosis/reference/hidden_rail.h"
 #include "diagnosis/reference/separable.h"
 #include "simulation/effect_catalogue.h"
 
@@ -194,23 +195,17 @@ class LawList {
     }
   }
 
-  /// Clipped at the element, before the filter rounds its corners: no reading lies on the rail.
   void hidden_saturation() {
     const Signals& s = s_;
     const Sensor k = sensor_;
-    const auto raw = [&s, k]() -> Series3 {
-      return (s.vector[k] * s.triad[k].matrix.inverse().transpose()).rowwise() + s.triad[k].bias.transpose();
-    };
+    HiddenRail rail = hidden_rail(s, k);
     Law& sat = add(
         prefix_ + "sat",
-        [&s, k, raw](double level) {
-          const Series3 y = raw();
+        [&s, k, y = std::move(rail.clipped)](double level) {
           return coupled({(y.cwiseMin(level).cwiseMax(-level) - y) * s.triad[k].matrix.transpose()});
         },
         kWholeOrNothing, "1", "y = clip(y, +-L) before filtering", "the reading above a level");
-    const double top = raw().cwiseAbs().maxCoeff();
-    for (const double share : {0.5, 0.6, 0.7, 0.8, 0.9}) sat.shapes.push_back(share * top);
-    sat.shapes.erase(sat.shapes.begin());
+    sat.shapes = std::move(rail.levels);
     sat.shape_name = "L";
     sat.shape_unit = kSensorUnit[k];
     sat.fixed["hidden"] = 1.0;
@@ -305,7 +300,7 @@ std::vector<Law> make_laws(const Signals& s, Sensor sensor) {
   if (sensor == kGyr) list.thermal_behind_tracker(), list.tracker();
   if (sensor == kMag) list.magnetometer();
   if (sensor != kGyr) list.smoothed_reference();
-  list.never_local({"_temp_quad", "_temp_lag", "_temp_scale", "_earth", "_gravity", "_vre"});
+  list.never_local({"_earth", "_gravity", "_vre"});
   if (!s.voltage_V.size()) list.never_local({"_temp_"});
   std::vector<Law> laws = list.take();
   drop_inseparable(s, sensor, laws);

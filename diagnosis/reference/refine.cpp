@@ -39,7 +39,8 @@ Eigen::Index refine_gap(const Signals& s, const SensorSearch& search, const Nois
   return std::clamp<Eigen::Index>(at, 1, s.n - 1);
 }
 
-/// One pass: the best edges within reach of the given ones.
+/// One pass: the best edges within reach of the given ones, or anywhere between them: where the body rests for seconds
+/// the evidence does not say which way to go.
 Window moved_edges(const Target& target, const Columns& explained, const Columns& everywhere, const Window& window,
                    const NoiseModel& noise) {
   const Columns windowed = in_window(everywhere, window);
@@ -60,13 +61,13 @@ Window moved_edges(const Target& target, const Columns& explained, const Columns
   const auto clip = [&](Eigen::Index i) { return std::clamp<Eigen::Index>(i, 1, target.layout.n - 1); };
   if (window.begin > 0) {
     Eigen::Index at = 0;
-    const Eigen::Index lo = clip(window.begin - reach), hi = clip(window.begin + reach);
+    const Eigen::Index lo = clip(window.begin - reach), hi = clip(std::max(window.begin + reach, window.end - reach));
     evidence.segment(lo - 1, hi - lo + 1).minCoeff(&at);
     out.begin = lo + at;
   }
   if (window.end < target.layout.n) {
     Eigen::Index at = 0;
-    const Eigen::Index lo = clip(window.end - reach), hi = clip(window.end + reach);
+    const Eigen::Index lo = clip(std::min(window.end - reach, window.begin + reach)), hi = clip(window.end + reach);
     evidence.segment(lo - 1, hi - lo + 1).maxCoeff(&at);
     out.end = lo + at;
   }

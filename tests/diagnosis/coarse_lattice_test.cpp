@@ -30,14 +30,14 @@ TEST(CoarseLattice, HidesNoOffsetThatIsLargerThanItsRounding) {
 TEST(CoarseLattice, IsNoLaw) { EXPECT_THAT(named_beside(0.0), testing::Each(testing::EndsWith("_quant"))); }
 
 /// At rest the rounding leaves an error in the mean that motion does not have: that looks like an asymmetry. A real one
-/// removes more.
+/// removes more. So it is where the simulation states more noise than there is.
 TEST(CoarseLattice, IsNoAsymmetryAndHidesNone) {
-  for (const double asymmetry : {0.0, 5e-4}) {
+  for (const auto& [asymmetry, stated_radps] : {std::pair{0.0, 4.3e-4}, {0.0, 6e-4}, {5e-4, 4.3e-4}}) {
     auto config = test::baseline("exact", 60.0), truth = config;
     for (auto* c : {&config, &truth}) {
       c->rate_hz = 100;
       c->motion->kind = "rest_poses";
-      c->gyroscope->noise_sd = c == &config ? 4.3e-4 : 3e-4;  // with its rounding, and before
+      c->gyroscope->noise_sd = c == &config ? stated_radps : 3e-4;  // 4.3e-4 with its rounding
       c->gyroscope->bias = Vec3(2.5e-4, -1.3e-3, 8.5e-4);
       c->accelerometer->noise_sd = 0.0045;
     }

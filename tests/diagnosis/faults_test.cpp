@@ -59,6 +59,23 @@ TEST(DigitalFaults, WhatALineBeatsToAStandstillIsNotRepeated) {
   }
 }
 
+/// On steps of five times the noise a body at rest repeats in every axis, also in the few rows before it turns again.
+TEST(DigitalFaults, WhatRestsBetweenTurnsIsNotRepeated) {
+  for (unsigned seed = 0; seed < 5; ++seed) {
+    std::mt19937 random(seed);
+    std::normal_distribution<double> noise(0.0, 0.2);
+    std::vector<Axis> axes(3);
+    for (std::size_t a = 0; a < 3; ++a) {
+      for (std::size_t i = 0; i < 6000; ++i) {
+        const double turn = i % 97 < 67 ? 300.0 * std::sin(0.15 * static_cast<double>(i * (a + 1))) : 0.0;
+        axes[a].y.push_back(kStep * std::round(turn + noise(random)));
+      }
+      axes[a].printed = kStep;
+    }
+    EXPECT_TRUE(find_random_repeats(axes, {}).empty()) << seed;
+  }
+}
+
 TEST(DigitalFaults, AFlippedBitIsAPowerOfTwoInSteps) {
   auto axes = readings(6000, 2);
   int bit = 6;

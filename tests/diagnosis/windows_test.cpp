@@ -98,6 +98,17 @@ TEST(Windows, TheSupplyThatMattersForAWhileIsNamed) {
         << seed;
 }
 
+TEST(Windows, WhatFollowsTemperatureForAWhileKeepsItsLaw) {
+  auto config = loaded();
+  config.environment.temperature = {.kind = "chamber", .start_degC = 10.0, .rise_K = 30.0, .period_s = 25.0};
+  const std::vector<std::pair<std::string, Parameters>> laws{
+      {"acc_temp_scale", {{"S_per_K", {2e-3, -1.5e-3, 1e-3}}}},
+      {"mag_temp_scale", {{"S_per_K", {5e-3, -4e-3, 6e-3}}}},
+      {"gyr_temp_quad", {{"k2_radps_per_K2", {6e-5, -4e-5, 5e-5}}}}};
+  for (const auto& [id, parameters] : laws)
+    EXPECT_THAT(names(diagnose(for_a_while(config, id, parameters, 5), config)), testing::ElementsAre(id));
+}
+
 TEST(Windows, TheTemperatureOfAWindowInWhichItHardlyChangesIsNotNamed) {
   auto config = loaded();
   config.environment.temperature.tau_s = 8.0;
