@@ -67,7 +67,7 @@ TEST(DigitalFaults, WhatRestsBetweenTurnsIsNotRepeated) {
     std::vector<Axis> axes(3);
     for (std::size_t a = 0; a < 3; ++a) {
       for (std::size_t i = 0; i < 6000; ++i) {
-        const double turn = i % 97 < 67 ? 300.0 * std::sin(0.15 * static_cast<double>(i * (a + 1))) : 0.0;
+        const double turn = i % 97 < 67 ? 300.0 * std::sin(0.15 * static_cast<double>(i * (a + 1))) : 7.0;
         axes[a].y.push_back(kStep * std::round(turn + noise(random)));
       }
       axes[a].printed = kStep;
