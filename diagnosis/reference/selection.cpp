@@ -133,7 +133,7 @@ bool possible(const Signals& s, const SensorSearch& search, const Found& law) {
 bool pays(const SensorSearch& search, const Found& best) {
   const double least_share = search.has_unknown() ? kLeastShareBesideUnknown : kLeastShareOfFirst;
   const bool free_form = is_unknown(best.id);  // there are more products than laws
-  const double least = best.window.local                    ? kLeastNetLocal
+  const double least = best.window.local && !free_form      ? kLeastNetLocal
                        : search.first_gain > 0 || free_form ? kLeastNetBeside
                                                             : kLeastNet;
   return best.net_nats >= least && best.gain_nats >= least_share * search.first_gain;

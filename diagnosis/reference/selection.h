@@ -59,7 +59,8 @@ struct SensorSearch {
 };
 
 /// What a name has to gain beyond the freedom of the search before it is stated; beside something - an effect found
-/// before, a drift - that leaves over what is no noise; and in a window, where slow noise passes for an offset.
+/// before, a drift - that leaves over what is no noise; and a law of the catalogue in a window, where slow noise passes
+/// for an offset.
 inline constexpr double kLeastNet = 1.5, kLeastNetBeside = 3.0, kLeastNetLocal = 8.0;
 
 /// Where the response is undone in the sensor's own reading, twice differentiated noise is in the law as well as in the
