@@ -46,8 +46,7 @@ io::Recording improved_log(const AlignedLog& log, const Signals& before, const A
     columns[k]->clear();
     if (!before.present[k] || before.residual[k].rows() == 0) continue;
     Series3 reads = before.predicted[k] + before.residual[k] - after.residual[k];
-    if (const auto& right = answer.numbers[k])
-      reads = (reads * right->matrix.inverse().transpose()).rowwise() + right->bias.transpose();
+    if (const auto& right = answer.numbers[k]) reads = uncorrected(*right, reads);
     *columns[k] = column_of(reads, log.outside);
   }
   return out;

@@ -8,10 +8,6 @@ namespace {
 
 constexpr double kBeyondScatter = 8.0;
 
-Series3 uncorrected(const sim::TriadConfig& triad, const Series3& vector) {
-  return (vector * triad.matrix.inverse().transpose()).rowwise() + triad.bias.transpose();
-}
-
 double highest(const Series3& y, const Mask& muted) {
   double out = 0.0;
   for (Eigen::Index i = 0; i < y.rows(); ++i)

@@ -173,6 +173,10 @@ void take_prediction(Signals& s, const AlignedLog& log) {
 
 }  // namespace
 
+Series3 uncorrected(const sim::TriadConfig& triad, const Series3& vector) {
+  return (vector * triad.matrix.inverse().transpose()).rowwise() + triad.bias.transpose();
+}
+
 Series3 in_world(const Signals& s, const Series3& body) {
   Series3 world(s.n, 3);
   for (int a = 0; a < 3; ++a)

@@ -71,6 +71,9 @@ inline constexpr double kReferenceTemperature_degC = 25.0;
                                            const std::array<Mask, kSensors>& muted, const AlignedLog* log = nullptr,
                                            Eigen::Index rows_a_frame = 1);
 
+/// What a sensor with these numbers reads of a vector, row by row: y = H^-1 u + B.
+[[nodiscard]] Series3 uncorrected(const sim::TriadConfig& triad, const Series3& vector);
+
 /// A vector of the body in the axes of the world, row by row, and back. Needs `world_axis`.
 [[nodiscard]] Series3 in_world(const Signals& s, const Series3& body);
 [[nodiscard]] Series3 in_body(const Signals& s, const Series3& world);

@@ -273,11 +273,10 @@ std::vector<Stretch<N>> stretches_of(const io::Recording& r, const std::vector<V
   return out;
 }
 
-/// The frames on this clock, where the column was drawn between them.
+/// The frames on a clock whose chords meet the column.
 template <int N, class Value>
 void read_frames(const std::vector<Stretch<N>>& all, const Clock& clock, std::vector<double>& t_s,
                  std::vector<Value>& values) {
-  if (all.empty() || !meets(all, clock)) return;
   Chord chord = Chord::kLine;
   if (N == 4) {
     double least = off(all, clock, chord);
@@ -308,7 +307,8 @@ std::optional<FramesOffRows> frames_off_rows(const io::Recording& r) {
   FramesOffRows out;
   out.step_s = clock->step_s;
   read_frames(turns, *clock, out.turns_t_s, out.turns_world_body);
-  read_frames(places, *clock, out.places_t_s, out.places_m);
+  if (out.turns_t_s.empty()) return std::nullopt;  // rows too few between gaps to tell any frame
+  if (meets(places, *clock)) read_frames(places, *clock, out.places_t_s, out.places_m);
   return out;
 }
 

@@ -8,10 +8,10 @@
 namespace stillpoint::diag {
 
 struct FramesOffRows {
-  double step_s = 0.0;                        ///< from frame to frame
-  std::vector<double> turns_t_s, places_t_s;  ///< as Recording::t_s
-  std::vector<Eigen::Vector4d> turns_world_body;
-  std::vector<Vec3> places_m;  ///< empty: none, or they were not drawn as lines between these frames
+  double step_s = 0.0;                            ///< from frame to frame
+  std::vector<double> turns_t_s, places_t_s;      ///< as Recording::t_s
+  std::vector<Eigen::Vector4d> turns_world_body;  ///< never empty
+  std::vector<Vec3> places_m;                     ///< empty: none, or they were not drawn as lines between these frames
 };
 
 /// Every row lies on a chord between two frames, so that there are more rows than unknown frames: their clock is the

@@ -18,8 +18,9 @@ struct RowsWithReference {
 /// reading of an inertial sensor, and with the reference interpolated between its frames: by Lagrange's polynomial
 /// through up to eight on either side, as many as the differences take later. Values that repeat the row before while
 /// the body turns are no frames, and neither are rows drawn as a line between two frames (frames_between.h,
-/// frames_off_rows.h). Where
-/// frames were lost, and at the ends, the fields stay empty. A notice where the reference is slower than the rows.
+/// frames_off_rows.h).
+/// Where frames were lost, and at the ends, the fields stay empty. A notice where the reference is slower than the
+/// rows.
 [[nodiscard]] RowsWithReference rows_with_reference(const io::Recording& recording, std::vector<std::string>& notices);
 
 }  // namespace stillpoint::diag
