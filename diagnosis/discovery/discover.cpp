@@ -192,7 +192,7 @@ void discover_in(const Signals& s, SensorSearch& sensor) {
   const auto any = [&](auto is) { return std::any_of(sensor.found.begin(), sensor.found.end(), is); };
   const bool open = any(is_open), drifts = !sensor.walk_is_given && Judge(sensor).walking();
   const std::vector<double> lines_hz = frequencies(s, sensor);
-  LawSearch laws(s, sensor.sensor, lines_hz);
+  LawSearch laws(s, sensor.sensor, lines_hz, sensor.moments_s);
   if (!open && !drifts && lines_hz.empty() && laws.most(sensor) < kWorthLooking * kSpeaks) return;
   std::optional<Discovered> best;
   double most = worth(sensor, 0.0) + kBetter - kShareOfATable * gain_of_no_law(sensor);

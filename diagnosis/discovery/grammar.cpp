@@ -276,6 +276,26 @@ std::vector<Idea> line_ideas(const laws::Columns& drivers, std::span<const doubl
   return out;
 }
 
+std::vector<Idea> event_ideas(Sensor sensor, std::span<const double> moments_s) {
+  std::vector<Idea> out;
+  const std::string own = own_vector(sensor);
+  for (const double moment_s : moments_s)
+    for (const bool matrix : {false, true}) {
+      const std::string at = fmt::format("{:.6g}", moment_s), since = "(t - " + at + ")";
+      const std::string on = (matrix ? own + " * " : "") + "step(t, " + at + ")";
+      out.push_back({{on}, {}, {}, {0.0}, matrix});
+      for (const char* form : {"exp(-{} / {{}})", "(1 - exp(-{} / {{}}))"})
+        out.push_back({{on + " * " + fmt::format(fmt::runtime(form), since)},
+                       "tau",
+                       "s",
+                       geometric(0.5, 40.0, 1.6),
+                       matrix,
+                       {},
+                       1});
+    }
+  return out;
+}
+
 std::vector<Idea> table_ideas(const laws::Columns& drivers) {
   std::vector<Idea> out;
   for (const std::string& text : scalar_leaves(drivers)) {

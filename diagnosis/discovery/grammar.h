@@ -32,6 +32,9 @@ struct Idea {
 /// stands in the world, as a magnet does that spins there.
 [[nodiscard]] std::vector<Idea> line_ideas(const laws::Columns& drivers, std::span<const double> lines_hz);
 
+/// A step of the offset or of the matrix at each of these moments, and what settles after it.
+[[nodiscard]] std::vector<Idea> event_ideas(Sensor sensor, std::span<const double> moments_s);
+
 /// A free function of each number that is recorded and of each axis of the vectors.
 [[nodiscard]] std::vector<Idea> table_ideas(const laws::Columns& drivers);
 

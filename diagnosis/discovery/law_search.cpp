@@ -42,7 +42,7 @@ struct LawSearch::Parts {
   laws::Signature signature;
   std::vector<Idea> ideas, wider, of_lines;
 
-  Parts(const Signals& signals, Sensor k, std::span<const double> lines_hz)
+  Parts(const Signals& signals, Sensor k, std::span<const double> lines_hz, std::span<const double> moments_s)
       : s(signals),
         sensor(k),
         shared(std::make_shared<const laws::Columns>(drivers_of_rows(s))),
@@ -52,7 +52,9 @@ struct LawSearch::Parts {
         signature(signature_of(full)),
         ideas(first_ideas(sensor, slow.drivers)),
         wider(wider_ideas(slow.drivers)),
-        of_lines(line_ideas(full, lines_hz)) {}
+        of_lines(line_ideas(full, lines_hz)) {
+    for (Idea& idea : event_ideas(sensor, moments_s)) ideas.push_back(std::move(idea));
+  }
 
   struct Value {
     Eigen::MatrixXd x;
@@ -117,8 +119,9 @@ struct LawSearch::Parts {
   }
 };
 
-LawSearch::LawSearch(const Signals& s, Sensor sensor, std::span<const double> lines_hz)
-    : parts_(std::make_unique<Parts>(s, sensor, lines_hz)) {}
+LawSearch::LawSearch(const Signals& s, Sensor sensor, std::span<const double> lines_hz,
+                     std::span<const double> moments_s)
+    : parts_(std::make_unique<Parts>(s, sensor, lines_hz, moments_s)) {}
 LawSearch::~LawSearch() = default;
 const std::shared_ptr<const laws::Columns>& LawSearch::drivers() const { return parts_->shared; }
 

@@ -10,8 +10,8 @@ namespace stillpoint::diag {
 
 class LawSearch {
  public:
-  /// `lines_hz`: frequencies that the sensor's residual has a line at.
-  LawSearch(const Signals& s, Sensor sensor, std::span<const double> lines_hz);
+  /// `lines_hz`: frequencies that the sensor's residual has a line at; `moments_s`: where something begins or ends.
+  LawSearch(const Signals& s, Sensor sensor, std::span<const double> lines_hz, std::span<const double> moments_s);
   ~LawSearch();
   LawSearch(const LawSearch&) = delete;
   LawSearch& operator=(const LawSearch&) = delete;

@@ -26,6 +26,7 @@ constexpr double kBeyondUsual =
 constexpr double kLeastHeldOut = 1.0;             // nats on data not used for the fit
 constexpr double kLeastShareBesideUnknown = 0.1;  // a product stands for the true law to that much only
 constexpr double kImitated = 0.25;                // of a resonance's power: what its own noise may have made
+constexpr std::size_t kWindowsKept = 4;           // of a round, for their moments
 constexpr std::size_t kShortNamed = 6, kShortUnknown = 3, kShortBesideWalk = 3;
 
 bool holds(const std::vector<std::string>& list, const std::string& id) {
@@ -139,6 +140,29 @@ bool pays(const SensorSearch& search, const Found& best) {
   return best.net_nats >= least && best.gain_nats >= least_share * search.first_gain;
 }
 
+/// Between the rows at which the best windows begin and end. Where noise wanders a jump shows in one row alone, so
+/// that a law which begins a row beside it explains nothing.
+void keep_moments(const std::vector<Found>& sorted, SensorSearch& search) {
+  std::size_t kept = 0;
+  for (const Found& f : sorted) {
+    if (!f.window.local || f.net_nats <= 0 || kept++ == kWindowsKept) continue;
+    for (const Eigen::Index at : {f.window.begin, f.window.end}) {
+      if (at <= 0 || at >= search.t_s.size()) continue;
+      const double t = 0.5 * (search.t_s[at - 1] + search.t_s[at]);
+      auto& all = search.moments_s;
+      if (std::find(all.begin(), all.end(), t) == all.end()) all.push_back(t);
+    }
+  }
+}
+
+/// A law that fits a window and predicts nothing outside of its fit: something begins or ends there all the same.
+std::optional<Found> nameless_instead(const SensorSearch& search, const std::vector<Found>& sorted) {
+  const auto plain =
+      std::find_if(sorted.begin(), sorted.end(), [](const Found& f) { return f.id == kPlainOffset && f.window.local; });
+  if (plain == sorted.end() || !pays(search, *plain)) return std::nullopt;
+  return *plain;
+}
+
 /// The best of the sorted ones that is worth its charge and that no driver outside of the recording outdoes.
 std::optional<Found> chosen(const Signals& s, const SensorSearch& search, const Judge& judge,
                             std::vector<Found> sorted) {
@@ -245,13 +269,17 @@ std::optional<Found> next_effect(const Signals& s, SensorSearch& search) {
   ranking.reserve(refined.size());
   for (const Found& f : refined) ranking.push_back({f.id, f.window, f.gain_nats, f.net_nats});
   if (search.found.empty()) search.ranking = ranking;
+  keep_moments(refined, search);
 
-  std::optional<Found> best = chosen(s, search, judge, std::move(refined));
-  if (!best) return std::nullopt;
+  const auto predicts = [&](const Found& f) {
+    SensorSearch with = search;
+    add_to(with, f);
+    return held_out(with, {with.found.size() - 1}).gain_nats >= kLeastHeldOut;
+  };
+  std::optional<Found> best = chosen(s, search, judge, refined);
+  if (best && best->window.local && !predicts(*best)) best = nameless_instead(search, refined);
+  if (!best || !predicts(*best)) return std::nullopt;
   best->rivals = std::move(ranking);
-  SensorSearch with = search;
-  add_to(with, *best);
-  if (held_out(with, {with.found.size() - 1}).gain_nats < kLeastHeldOut) return std::nullopt;
   return best;
 }
 

@@ -44,7 +44,8 @@ struct SensorSearch {
   std::vector<std::string> deleted;  ///< names that are not in the library this time
   bool delays_in_windows = true;     ///< false: the latency of all sensors varies, which is no delay of this one
   std::vector<Found> found;
-  std::vector<Ranked> ranking;  ///< of the first round
+  std::vector<Ranked> ranking;      ///< of the first round
+  std::vector<double> moments_s{};  ///< where windows that gained begin or end, to the sample
   double first_gain = 0.0;
   Eigen::MatrixXd walk;  ///< the basis of a random walk
   Series t_s;
