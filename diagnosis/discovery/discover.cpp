@@ -147,12 +147,12 @@ const Term* choose(const Signals& s, const SensorSearch& search, const std::vect
   return chosen;
 }
 
-/// Terms one after another, as long as each pays for itself.
-std::optional<Discovered> terms_beside(const Signals& s, LawSearch& laws, SensorSearch base, double least) {
+/// Terms one after another, as long as each pays for itself; the first may have to begin at an event.
+std::optional<Discovered> terms_beside(const Signals& s, LawSearch& laws, SensorSearch base, double least, bool event) {
   Discovered out{std::move(base), 0.0, 0.0};
   double first = 0.0;
   for (std::size_t round = 0; round < kMostTerms; ++round) {
-    const std::vector<Term> terms = laws.next(out.search);
+    const std::vector<Term> terms = event && round == 0 ? laws.next_event(out.search) : laws.next(out.search);
     const Term* chosen = choose(s, out.search, terms, round == 0 ? least : std::max(kFurther, kFurtherShare * first));
     if (!chosen) break;
     const Term& t = *chosen;
@@ -197,9 +197,12 @@ void discover_in(const Signals& s, SensorSearch& sensor) {
   std::optional<Discovered> best;
   double most = worth(sensor, 0.0) + kBetter - kShareOfATable * gain_of_no_law(sensor);
   const auto consider = [&](const SensorSearch& base, double least, double margin) {
-    auto d = terms_beside(s, laws, base, least);
-    const double value = d ? worth(d->search, d->bits) - margin : most;
-    if (value > most) most = value, best = std::move(d);
+    for (const bool event : {false, true}) {
+      if (event && sensor.moments_s.empty()) continue;
+      auto d = terms_beside(s, laws, base, least, event);
+      const double value = d ? worth(d->search, d->bits) - margin : most;
+      if (value > most) most = value, best = std::move(d);
+    }
   };
   consider(without_some(sensor, is_open), least_gain(sensor, open, drifts), 0.0);
   // A law in the place of names has to be clearly better than they are.

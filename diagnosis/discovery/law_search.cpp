@@ -40,7 +40,7 @@ struct LawSearch::Parts {
   const laws::Columns& full;
   Rows slow, few;
   laws::Signature signature;
-  std::vector<Idea> ideas, wider, of_lines;
+  std::vector<Idea> ideas, wider, of_lines, events;
 
   Parts(const Signals& signals, Sensor k, std::span<const double> lines_hz, std::span<const double> moments_s)
       : s(signals),
@@ -52,9 +52,8 @@ struct LawSearch::Parts {
         signature(signature_of(full)),
         ideas(first_ideas(sensor, slow.drivers)),
         wider(wider_ideas(slow.drivers)),
-        of_lines(line_ideas(full, lines_hz)) {
-    for (Idea& idea : event_ideas(sensor, moments_s)) ideas.push_back(std::move(idea));
-  }
+        of_lines(line_ideas(full, lines_hz)),
+        events(event_ideas(sensor, moments_s)) {}
 
   struct Value {
     Eigen::MatrixXd x;
@@ -159,7 +158,7 @@ double LawSearch::most(const SensorSearch& base) {
   const Thin thin(p.s, base, p.few.factor, true);
   const double without = fit_profile(thin.null, thin.explained).log_likelihood;
   double out = 0.0;
-  for (const auto* ideas : {&p.ideas, &p.wider})
+  for (const auto* ideas : {&p.ideas, &p.wider, &p.events})
     for (const Look& l : p.best(*ideas, 0, kShortToSee, p.few, thin.without_null()))
       if (const auto t = p.term((*ideas)[l.idea], l.shape, p.few.drivers))
         out = std::max(out, fit_profile(thin.null, joined(thin.explained, t->found.columns)).log_likelihood - without);
@@ -172,8 +171,19 @@ class LawSearch::Round {
   Round(const Parts& parts, const SensorSearch& base)
       : p_(parts), base_(base), judge_(base), thin_(parts.s, base, parts.slow.factor, judge_.walking()) {}
 
-  std::vector<Term> run() {
+  std::vector<Term> of_all() {
     first_level();
+    return from_the_best();
+  }
+
+  std::vector<Term> of_events() {
+    for (const Look& l : p_.best(p_.events, 0, kShort, p_.slow, thin_.all)) judge(p_.events[l.idea], l.shape);
+    refine_best();
+    return from_the_best();
+  }
+
+ private:
+  std::vector<Term> from_the_best() {
     for (std::size_t step = 0; step < kMostSteps && further();) ++step;
     while (settle_numbers()) continue;
     const std::size_t formulas = ideas_.size();
@@ -184,7 +194,6 @@ class LawSearch::Round {
     return std::move(terms_);
   }
 
- private:
   static std::string name_of(const Idea& idea, const std::string& text) {
     return text + (idea.matrix ? " matrix" : idea.points.empty() ? "" : " table");
   }
@@ -288,6 +297,7 @@ class LawSearch::Round {
   std::set<std::string> judged_, extended_, refined_;  ///< by text and coupling
 };
 
-std::vector<Term> LawSearch::next(const SensorSearch& base) { return Round(*parts_, base).run(); }
+std::vector<Term> LawSearch::next(const SensorSearch& base) { return Round(*parts_, base).of_all(); }
+std::vector<Term> LawSearch::next_event(const SensorSearch& base) { return Round(*parts_, base).of_events(); }
 
 }  // namespace stillpoint::diag
