@@ -73,4 +73,20 @@ bool much_is_left(const Signals& s, const SensorSearch& search, const Finished& 
   return !white && std::sqrt(power / 3.0) > kTimesTheNoise * noise_sd;
 }
 
+bool wanders_off(const Signals& s, const SensorSearch& search, const Finished& finished) {
+  constexpr double kBlock_s = 0.5, kOfTheNoise = 0.6;
+  const double noise_sd = s.noise_sd[search.sensor];
+  if (!s.exact_reference || noise_sd <= 0) return false;
+  const Layout& layout = search.target.layout;
+  const auto block = std::max<Eigen::Index>(1, static_cast<Eigen::Index>(kBlock_s / s.dt_s));
+  double power = 0.0;
+  int blocks = 0;
+  for (Eigen::Index begin = 0; begin + block <= layout.n; begin += block) {
+    if (layout.counts.segment(begin, block).minCoeff() <= 0.0) continue;
+    power += finished.fit.leftover.middleRows(begin, block).colwise().mean().squaredNorm() / 3.0;
+    ++blocks;
+  }
+  return blocks > 0 && std::sqrt(power / blocks) > kOfTheNoise * noise_sd;
+}
+
 }  // namespace stillpoint::diag

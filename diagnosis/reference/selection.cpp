@@ -9,11 +9,11 @@
 #include "diagnosis/reference/evidence.h"
 #include "diagnosis/reference/judge.h"
 #include "diagnosis/reference/lines.h"
+#include "diagnosis/reference/plausible.h"
 #include "diagnosis/reference/refine.h"
 #include "diagnosis/reference/scan_noise.h"
 #include "diagnosis/reference/unrecorded.h"
 #include "diagnosis/reference/wandering_reference.h"
-#include "simulation/effect_catalogue.h"
 
 namespace stillpoint::diag {
 namespace {
@@ -21,11 +21,10 @@ namespace {
 constexpr double kNatsPerCoefficient = 2.0;
 constexpr double kNatsForTheName = 5.0;    // log of the number of laws
 constexpr double kNatsForTheWindow = 8.0;  // log of the number of windows
-constexpr double kBeyondUsual =
-    50.0;  // bad parts are 5 times worse than usual ones, and an arm's vibration ten times that
+// Of a name, for each power of ten that its numbers are smaller than usual: slow noise resembles every law a little.
+constexpr double kNatsADecade = 8.0;
 constexpr double kLeastHeldOut = 1.0;             // nats on data not used for the fit
 constexpr double kLeastShareBesideUnknown = 0.1;  // a product stands for the true law to that much only
-constexpr double kImitated = 0.25;                // of a resonance's power: what its own noise may have made
 constexpr std::size_t kWindowsKept = 4;           // of a round, for their moments
 constexpr std::size_t kShortNamed = 6, kShortUnknown = 3, kShortBesideWalk = 3;
 
@@ -102,42 +101,14 @@ std::vector<Candidate> short_list(const SensorSearch& search, const Judge& judge
   return out;
 }
 
-/// A number beyond anything that parts have is another law's doing, however well it fits.
-bool possible(const Signals& s, const SensorSearch& search, const Found& law) {
-  if (law.id.ends_with("_resonance") && law.timing.size() == 2) {
-    if (is_its_own_noise(s, search, law)) return false;
-    // A damping that may as well be none is that of a line, which the reference may have brought in.
-    Target t = search.target;
-    t.residual -= law.offset;
-    const Fit fit = fit_profile(t, joined(search.explained(), law.columns));
-    const Eigen::Index last = fit.theta.size() - 1;
-    return law.timing[1] > 2.0 * std::sqrt(std::max(fit.covariance(last, last), 0.0));
-  }
-  const auto count = static_cast<Eigen::Index>(law.columns.size());
-  if (law.names == kWholeOrNothing) {
-    const Fit fit = fit_beside(search, law);
-    const double share = fit.theta.tail(count)[0],
-                 sd = std::sqrt(std::max(fit.covariance.diagonal().tail(count)[0], 0.0));
-    return share > std::max(2.0 * sd, kLeastShareOfAWhole) && share < 2.0;
-  }
-  const sim::EffectInfo* info = law.kind == Kind::kNamed ? sim::find_effect(law.id) : nullptr;
-  if (info == nullptr || law.offset.size() || law.columns.empty()) return true;
-  double most = 0.0;
-  for (const auto& p : info->parameters)
-    if (p.symbol == "k" || p.symbol == "S" || p.symbol == "G") most = std::max(most, p.typical_high);
-  if (most == 0.0) return true;
-  const Fit fit = fit_beside(search, law);
-  const Eigen::VectorXd sd = fit.covariance.diagonal().tail(count).cwiseMax(0.0).cwiseSqrt();
-  return ((fit.theta.tail(count).cwiseAbs() - 2.0 * sd).array() < kBeyondUsual * most).all();
-}
-
 bool pays(const SensorSearch& search, const Found& best) {
   const double least_share = search.has_unknown() ? kLeastShareBesideUnknown : kLeastShareOfFirst;
   const bool free_form = is_unknown(best.id);  // there are more products than laws
   const double least = best.window.local && !free_form      ? kLeastNetLocal
                        : search.first_gain > 0 || free_form ? kLeastNetBeside
                                                             : kLeastNet;
-  return best.net_nats >= least && best.gain_nats >= least_share * search.first_gain;
+  return best.net_nats >= least + kNatsADecade * decades_below_usual(search, best) &&
+         best.gain_nats >= least_share * search.first_gain;
 }
 
 /// Between the rows at which the best windows begin and end. Where noise wanders a jump shows in one row alone, so
@@ -202,13 +173,6 @@ Columns SensorSearch::explained() const {
 
 bool SensorSearch::has_unknown() const {
   return std::any_of(found.begin(), found.end(), [](const Found& f) { return f.kind == Kind::kUnknown; });
-}
-
-bool is_its_own_noise(const Signals& s, const SensorSearch& search, const Found& law) {
-  const double band_hz = s.band_hz[search.sensor], f_n_hz = law.timing[0], sd = s.noise_sd[search.sensor];
-  const auto rows = static_cast<double>((law.offset.array() != 0.0).count());
-  const double of_noise = rows * sd * sd * 4.0 * s.dt_s * std::pow(band_hz, 3) / (3.0 * f_n_hz * f_n_hz);
-  return of_noise > kImitated * law.offset.squaredNorm();
 }
 
 double robust_nats(const SensorSearch& search, const Found& law) {

@@ -64,12 +64,6 @@ struct SensorSearch {
 /// for an offset.
 inline constexpr double kLeastNet = 1.5, kLeastNetBeside = 3.0, kLeastNetLocal = 8.0;
 
-/// Where the response is undone in the sensor's own reading, twice differentiated noise is in the law as well as in the
-/// residual. White noise n up to `band` correlates with its own part -n'' / (2 pi f_n)^2 of a resonance by
-/// sd^2 4 dt band^3 / (3 f_n^2) a row (half of it beyond the band, where `low_pass` falls), always with the sign of a
-/// resonance.
-[[nodiscard]] bool is_its_own_noise(const Signals& s, const SensorSearch& search, const Found& law);
-
 /// Nats that the coefficients of a linear law are worth by the scatter of what each second says of them; the law's gain
 /// where too few seconds speak.
 [[nodiscard]] double robust_nats(const SensorSearch& search, const Found& law);

@@ -5,7 +5,7 @@
 #include <random>
 
 #include "diagnosis/reference/response.h"
-#include "diagnosis/reference/selection.h"
+#include "diagnosis/reference/plausible.h"
 
 namespace stillpoint::diag {
 namespace {

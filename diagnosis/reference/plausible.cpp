@@ -1,0 +1,66 @@
+#include "diagnosis/reference/plausible.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "diagnosis/reference/evidence.h"
+#include "simulation/effect_catalogue.h"
+
+namespace stillpoint::diag {
+namespace {
+
+// Bad parts are 5 times worse than usual ones, and an arm's vibration ten times that.
+constexpr double kBeyondUsual = 50.0;
+constexpr double kImitated = 0.25;  // of a resonance's power: what its own noise may have made
+
+}  // namespace
+
+bool is_its_own_noise(const Signals& s, const SensorSearch& search, const Found& law) {
+  const double band_hz = s.band_hz[search.sensor], f_n_hz = law.timing[0], sd = s.noise_sd[search.sensor];
+  const auto rows = static_cast<double>((law.offset.array() != 0.0).count());
+  const double of_noise = rows * sd * sd * 4.0 * s.dt_s * std::pow(band_hz, 3) / (3.0 * f_n_hz * f_n_hz);
+  return of_noise > kImitated * law.offset.squaredNorm();
+}
+
+bool possible(const Signals& s, const SensorSearch& search, const Found& law) {
+  if (law.id.ends_with("_resonance") && law.timing.size() == 2) {
+    if (is_its_own_noise(s, search, law)) return false;
+    // A damping that may as well be none is that of a line, which the reference may have brought in.
+    Target t = search.target;
+    t.residual -= law.offset;
+    const Fit fit = fit_profile(t, joined(search.explained(), law.columns));
+    const Eigen::Index last = fit.theta.size() - 1;
+    return law.timing[1] > 2.0 * std::sqrt(std::max(fit.covariance(last, last), 0.0));
+  }
+  const auto count = static_cast<Eigen::Index>(law.columns.size());
+  if (law.names == kWholeOrNothing) {
+    const Fit fit = fit_beside(search, law);
+    const double share = fit.theta.tail(count)[0],
+                 sd = std::sqrt(std::max(fit.covariance.diagonal().tail(count)[0], 0.0));
+    return share > std::max(2.0 * sd, kLeastShareOfAWhole) && share < 2.0;
+  }
+  const sim::EffectInfo* info = law.kind == Kind::kNamed ? sim::find_effect(law.id) : nullptr;
+  if (info == nullptr || law.offset.size() || law.columns.empty()) return true;
+  double most = 0.0;
+  for (const auto& p : info->parameters)
+    if (p.symbol == "k" || p.symbol == "S" || p.symbol == "G") most = std::max(most, p.typical_high);
+  if (most == 0.0) return true;
+  const Fit fit = fit_beside(search, law);
+  const Eigen::VectorXd sd = fit.covariance.diagonal().tail(count).cwiseMax(0.0).cwiseSqrt();
+  return ((fit.theta.tail(count).cwiseAbs() - 2.0 * sd).array() < kBeyondUsual * most).all();
+}
+
+double decades_below_usual(const SensorSearch& search, const Found& law) {
+  const sim::EffectInfo* info = law.kind == Kind::kNamed ? sim::find_effect(law.id) : nullptr;
+  if (info == nullptr || law.offset.size() || law.columns.empty()) return 0.0;
+  const Fit fit = fit_beside(search, law);
+  const auto first = fit.theta.size() - static_cast<Eigen::Index>(law.columns.size());
+  double most = 0.0;  // of the usual size
+  for (std::size_t j = 0; j < law.names.size() && j < law.columns.size(); ++j)
+    for (const auto& p : info->parameters)
+      if (law.names[j].starts_with(p.symbol) && p.typical_low > 0)
+        most = std::max(most, std::abs(fit.theta[first + static_cast<Eigen::Index>(j)]) / p.typical_low);
+  return most > 0 ? std::max(0.0, -std::log10(most)) : 0.0;
+}
+
+}  // namespace stillpoint::diag

@@ -1,0 +1,39 @@
+/// What begins at a moment and settles: a shock, a switch, a part that moved.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "diagnosis/diagnose.h"
+#include "io/simulated_recording.h"
+#include "simulation/law_effect.h"
+#include "simulation/simulator.h"
+#include "tests/diagnosis/simulated.h"
+
+namespace stillpoint::diag {
+namespace {
+
+sim::SimulationConfig with_law(const std::string& effect) {
+  return test::parsed(
+      "rate_hz: 50\naccelerometer: {noise_mps2: 0.01}\ngyroscope: {noise_radps: 0.0005}\n"
+      "magnetometer: {noise_uT: 0.2}\nmotion: {kind: hand, duration_s: 60}\n"
+      "environment: {temperature: {kind: warm_up, rise_K: 15}, current: {kind: steps}}\neffects:\n" +
+      effect);
+}
+
+Answer answer_of(sim::SimulationConfig truth) {
+  const io::Recording recording = io::to_recording(sim::simulate(truth, 3));
+  truth.effects.clear();
+  return diagnose(recording, truth);
+}
+
+/// A jump that settles looks to an autoregression like its own memory, but for the one row in which it jumps.
+TEST(Events, AnOffsetThatJumpsAndSettlesIsALawOfItsMoment) {
+  const Answer answer = answer_of(with_law(
+      "  - {effect: law, sensor: gyr, law: \"step(t, 26.07) * exp(-(t - 26.07) / 3)\", k: [0.007, -0.004, 0.005]}"));
+  ASSERT_THAT(answer.effects, testing::Contains(testing::Truly(sim::is_law))) << answer.diagnosis.summary;
+  const auto law = std::find_if(answer.effects.begin(), answer.effects.end(), sim::is_law);
+  EXPECT_THAT(sim::expression_of(*law), testing::MatchesRegex("step\\(t, 26.0[678]\\) \\* exp\\(.*"))
+      << answer.diagnosis.summary;
+}
+
+}  // namespace
+}  // namespace stillpoint::diag
