@@ -38,7 +38,8 @@ struct Law {
   Kind kind = Kind::kNamed;
   Extent extent = Extent::kAny;
   std::vector<double> shapes{0.0};
-  std::string shape_name, shape_unit;   ///< empty: the law has no inner parameter
+  std::string shape_name, shape_unit;  ///< empty: the law has no inner parameter
+  std::string text;  ///< of a product: its law as a simulation takes it, "{}" for the shape; empty: its name
   std::map<std::string, double> fixed;  ///< keys of the catalogue that this form of the law implies
   std::function<Columns(double shape)> columns;
   std::vector<std::string> coefficients;  ///< names, one a column

@@ -121,6 +121,7 @@ class Products {
   void relaxation(const Signals& s) {
     if (sensor_ == kMag) return;
     add_columns("log(t)", [&s](double tau) { return on_each_axis((1.0 + s.t_s.array() / tau).log().matrix()); });
+    laws_.back().text = "log(1 + t / {})";
     laws_.back().shapes = {1.0, 4.0, 15.0};
     laws_.back().shape_name = "tau";
     laws_.back().shape_unit = "s";

@@ -1,5 +1,7 @@
 #include "diagnosis/reference/selection.h"
 
+#include <fmt/format.h>
+
 #include <Eigen/Cholesky>
 #include <Eigen/QR>
 #include <algorithm>
@@ -225,7 +227,9 @@ std::optional<Found> next_effect(const Signals& s, SensorSearch& search) {
     if (law.kind == Kind::kTiming || (responded && is_response(law.id))) continue;
     if (c.window.local) c.window = refine_window(search.target, explained, law, c, noise);
     refined.push_back(found_from(law, c, in_window(law.columns(c.shape), c.window)));
-    if (refined.back().at_shape) refine_shape(search.target, explained, law.shapes, refined.back());
+    Found& f = refined.back();
+    if (f.at_shape) refine_shape(search.target, explained, law.shapes, f);
+    if (!law.text.empty()) f.id = "unknown:" + fmt::format(fmt::runtime(law.text), fmt::format("{:.5g}", f.shape));
   }
   for (Found& f : refined) judge.weigh(f);
   std::sort(refined.begin(), refined.end(), [](const Found& a, const Found& b) { return a.net_nats > b.net_nats; });

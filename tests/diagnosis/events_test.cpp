@@ -35,5 +35,14 @@ TEST(Events, AnOffsetThatJumpsAndSettlesIsALawOfItsMoment) {
       << answer.diagnosis.summary;
 }
 
+/// Stress that relaxes after a part was bolted down: with its time constant, so that a simulation can have it.
+TEST(Events, WhatRelaxesFromTheStartOnIsWrittenAsALaw) {
+  const Answer answer =
+      answer_of(with_law("  - {effect: law, sensor: acc, law: \"log(1 + t / 5)\", k: [0.02, -0.015, 0.03]}"));
+  ASSERT_THAT(answer.effects, testing::Contains(testing::Truly(sim::is_law))) << answer.diagnosis.summary;
+  const auto law = std::find_if(answer.effects.begin(), answer.effects.end(), sim::is_law);
+  EXPECT_THAT(sim::expression_of(*law), testing::StartsWith("log(1 + t / ")) << answer.diagnosis.summary;
+}
+
 }  // namespace
 }  // namespace stillpoint::diag
