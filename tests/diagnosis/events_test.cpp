@@ -13,7 +13,7 @@ namespace {
 
 sim::SimulationConfig with_law(const std::string& effect) {
   return test::parsed(
-      "rate_hz: 50\naccelerometer: {noise_mps2: 0.01}\ngyroscope: {noise_radps: 0.0005}\n"
+      "rate_hz: 50\naccelerometer: {noise_mps2: 0.01}\ngyroscope: {noise_radps: 0.0002}\n"
       "magnetometer: {noise_uT: 0.2}\nmotion: {kind: hand, duration_s: 60}\n"
       "environment: {temperature: {kind: warm_up, rise_K: 15}, current: {kind: steps}}\neffects:\n" +
       effect);
