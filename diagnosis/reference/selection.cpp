@@ -27,7 +27,6 @@ constexpr double kNatsForTheWindow = 8.0;  // log of the number of windows
 constexpr double kNatsADecade = 8.0;
 constexpr double kLeastHeldOut = 1.0;             // nats on data not used for the fit
 constexpr double kLeastShareBesideUnknown = 0.1;  // a product stands for the true law to that much only
-constexpr std::size_t kWindowsKept = 4;           // of a round, for their moments
 constexpr std::size_t kShortNamed = 6, kShortUnknown = 3, kShortBesideWalk = 3;
 
 bool holds(const std::vector<std::string>& list, const std::string& id) {
@@ -113,12 +112,11 @@ bool pays(const SensorSearch& search, const Found& best) {
          best.gain_nats >= least_share * search.first_gain;
 }
 
-/// Between the rows at which the best windows begin and end. Where noise wanders a jump shows in one row alone, so
+/// Between the rows at which windows that pay begin and end. Where noise wanders a jump shows in one row alone, so
 /// that a law which begins a row beside it explains nothing.
-void keep_moments(const std::vector<Found>& sorted, SensorSearch& search) {
-  std::size_t kept = 0;
-  for (const Found& f : sorted) {
-    if (!f.window.local || f.net_nats <= 0 || kept++ == kWindowsKept) continue;
+void keep_moments(const std::vector<Found>& refined, SensorSearch& search) {
+  for (const Found& f : refined) {
+    if (!f.window.local || f.net_nats <= 0) continue;
     for (const Eigen::Index at : {f.window.begin, f.window.end}) {
       if (at <= 0 || at >= search.t_s.size()) continue;
       const double t = 0.5 * (search.t_s[at - 1] + search.t_s[at]);
