@@ -269,8 +269,11 @@ void report_sensor(const Signals& s, const EngineResult& engine, Sensor sensor,
   }
   // What drifts beside an unknown law is what its product leaves of it.
   const bool silent = findings.empty() && search.found.empty();
-  if ((drifting || silent) && !switched && !search.has_unknown() &&
-      (much_is_left(s, search, finished, answer.diagnosis) || (silent && wanders_off(s, search, finished)))) {
+  const auto much = [&] {
+    return much_is_left(s, search, finished, answer.diagnosis) ||
+           (!drifting && wanders_off(s, search, finished, answer.diagnosis));
+  };
+  if ((drifting || silent) && !switched && !search.has_unknown() && much()) {
     findings.push_back(remainder_finding(s, search));
   } else if (drifting && !switched && !search.has_unknown() && !contains(given, drift_id(sensor))) {
     findings.push_back(drift_finding(s, search, finished));
