@@ -19,14 +19,6 @@ double nats_beside_walk(const SensorSearch& search, std::size_t index, const Fin
   return 0.5 * theta.dot(covariance.ldlt().solve(theta));
 }
 
-/// As the simulation has it, or as it was measured at rest where that is more.
-double noise_of(const Signals& s, Sensor sensor, const Diagnosis& told) {
-  double noise_sd = s.noise_sd[sensor];
-  for (const NoiseFault& n : told.noise)
-    if (n.channel.starts_with(kSensorName[sensor])) noise_sd = std::max(noise_sd, n.measured);
-  return noise_sd;
-}
-
 }  // namespace
 
 bool drifts(const SensorSearch& search, const Finished& finished) {
@@ -67,8 +59,10 @@ bool walks_as_given(const Signals& s, Sensor sensor, const Finished& finished) {
 
 bool much_is_left(const Signals& s, const SensorSearch& search, const Finished& finished, const Diagnosis& told) {
   constexpr double kTimesTheNoise = 2.0;
-  const double noise_sd = noise_of(s, search.sensor, told);
+  double noise_sd = s.noise_sd[search.sensor];
   if (!s.exact_reference || s.unresolved[search.sensor] || noise_sd <= 0) return false;
+  for (const NoiseFault& n : told.noise)
+    if (n.channel.starts_with(kSensorName[search.sensor])) noise_sd = std::max(noise_sd, n.measured);
   const Layout& layout = search.target.layout;
   double power = 0.0;
   bool white = true;
@@ -77,22 +71,6 @@ bool much_is_left(const Signals& s, const SensorSearch& search, const Finished& 
     white = white && is_white(finished.fit.whitened.col(axis), layout);
   }
   return !white && std::sqrt(power / 3.0) > kTimesTheNoise * noise_sd;
-}
-
-bool wanders_off(const Signals& s, const SensorSearch& search, const Finished& finished, const Diagnosis& told) {
-  constexpr double kBlock_s = 0.5, kOfTheNoise = 0.6;
-  const double noise_sd = noise_of(s, search.sensor, told);
-  if (!s.exact_reference || noise_sd <= 0) return false;
-  const Layout& layout = search.target.layout;
-  const auto block = std::max<Eigen::Index>(1, static_cast<Eigen::Index>(kBlock_s / s.dt_s));
-  double power = 0.0;
-  int blocks = 0;
-  for (Eigen::Index begin = 0; begin + block <= layout.n; begin += block) {
-    if (layout.counts.segment(begin, block).minCoeff() <= 0.0) continue;
-    power += finished.fit.leftover.middleRows(begin, block).colwise().mean().squaredNorm() / 3.0;
-    ++blocks;
-  }
-  return blocks > 0 && std::sqrt(power / blocks) > kOfTheNoise * noise_sd;
 }
 
 }  // namespace stillpoint::diag

@@ -24,10 +24,4 @@ namespace stillpoint::diag {
 [[nodiscard]] bool much_is_left(const Signals& s, const SensorSearch& search, const Finished& finished,
                                 const Diagnosis& told);
 
-/// Beside an exact reference the means of half a second are nearly as large as the noise of single readings (0.1 to 0.3
-/// of it in clean recordings): an autoregression
-/// may have taken a large misfit for its own memory, and what a reference misses of a vibration has no mean.
-[[nodiscard]] bool wanders_off(const Signals& s, const SensorSearch& search, const Finished& finished,
-                               const Diagnosis& told);
-
 }  // namespace stillpoint::diag

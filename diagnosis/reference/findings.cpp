@@ -268,12 +268,10 @@ void report_sensor(const Signals& s, const EngineResult& engine, Sensor sensor,
       effects.push_back({.id = "sys_tracker", .parameters = {{"tau_s", {f.shape}}}, .axes = {}, .window_s = {}});
   }
   // What drifts beside an unknown law is what its product leaves of it.
+  // An autoregression may take a large misfit for its own memory: nothing drifts then, and yet the channel is no noise.
   const bool silent = findings.empty() && search.found.empty();
-  const auto much = [&] {
-    return much_is_left(s, search, finished, answer.diagnosis) ||
-           (!drifting && wanders_off(s, search, finished, answer.diagnosis));
-  };
-  if ((drifting || silent) && !switched && !search.has_unknown() && much()) {
+  if ((drifting || silent) && !switched && !search.has_unknown() &&
+      much_is_left(s, search, finished, answer.diagnosis)) {
     findings.push_back(remainder_finding(s, search));
   } else if (drifting && !switched && !search.has_unknown() && !contains(given, drift_id(sensor))) {
     findings.push_back(drift_finding(s, search, finished));
