@@ -4,8 +4,8 @@
 #include <cmath>
 #include <random>
 
-#include "diagnosis/reference/response.h"
 #include "diagnosis/reference/plausible.h"
+#include "diagnosis/reference/response.h"
 
 namespace stillpoint::diag {
 namespace {
