@@ -279,20 +279,16 @@ std::vector<Idea> line_ideas(const laws::Columns& drivers, std::span<const doubl
 std::vector<Idea> event_ideas(Sensor sensor, std::span<const double> moments_s) {
   std::vector<Idea> out;
   const std::string own = own_vector(sensor);
-  for (const double moment_s : moments_s)
+  const std::vector<double> tau = geometric(0.5, 40.0, 1.6);
+  for (const double moment_s : moments_s) {
+    const std::string at = fmt::format("{:.6g}", moment_s), settles = "exp(-(t - " + at + ") / {})";
     for (const bool matrix : {false, true}) {
-      const std::string at = fmt::format("{:.6g}", moment_s), since = "(t - " + at + ")";
       const std::string on = (matrix ? own + " * " : "") + "step(t, " + at + ")";
       out.push_back({{on}, {}, {}, {0.0}, matrix});
-      for (const char* form : {"exp(-{} / {{}})", "(1 - exp(-{} / {{}}))"})
-        out.push_back({{on + " * " + fmt::format(fmt::runtime(form), since)},
-                       "tau",
-                       "s",
-                       geometric(0.5, 40.0, 1.6),
-                       matrix,
-                       {},
-                       1});
+      out.push_back({{on + " * " + settles}, "tau", "s", tau, matrix, {}, 1});
+      out.push_back({{on + " * (1 - " + settles + ")"}, "tau", "s", tau, matrix, {}, 1});
     }
+  }
   return out;
 }
 

@@ -13,6 +13,12 @@ namespace {
 constexpr double kBeyondUsual = 50.0;
 constexpr double kImitated = 0.25;  // of a resonance's power: what its own noise may have made
 
+/// The catalogue's entry of a law whose numbers are coefficients; nullptr: it is another kind of law.
+const sim::EffectInfo* entry_of_linear(const Found& law) {
+  if (law.kind != Kind::kNamed || law.offset.size() || law.columns.empty()) return nullptr;
+  return sim::find_effect(law.id);
+}
+
 }  // namespace
 
 bool is_its_own_noise(const Signals& s, const SensorSearch& search, const Found& law) {
@@ -39,8 +45,8 @@ bool possible(const Signals& s, const SensorSearch& search, const Found& law) {
                  sd = std::sqrt(std::max(fit.covariance.diagonal().tail(count)[0], 0.0));
     return share > std::max(2.0 * sd, kLeastShareOfAWhole) && share < 2.0;
   }
-  const sim::EffectInfo* info = law.kind == Kind::kNamed ? sim::find_effect(law.id) : nullptr;
-  if (info == nullptr || law.offset.size() || law.columns.empty()) return true;
+  const sim::EffectInfo* info = entry_of_linear(law);
+  if (info == nullptr) return true;
   double most = 0.0;
   for (const auto& p : info->parameters)
     if (p.symbol == "k" || p.symbol == "S" || p.symbol == "G") most = std::max(most, p.typical_high);
@@ -51,8 +57,8 @@ bool possible(const Signals& s, const SensorSearch& search, const Found& law) {
 }
 
 double decades_below_usual(const SensorSearch& search, const Found& law) {
-  const sim::EffectInfo* info = law.kind == Kind::kNamed ? sim::find_effect(law.id) : nullptr;
-  if (info == nullptr || law.offset.size() || law.columns.empty()) return 0.0;
+  const sim::EffectInfo* info = entry_of_linear(law);
+  if (info == nullptr) return 0.0;
   const Fit fit = fit_beside(search, law);
   const auto first = fit.theta.size() - static_cast<Eigen::Index>(law.columns.size());
   double most = 0.0;  // of the usual size

@@ -108,8 +108,8 @@ bool pays(const SensorSearch& search, const Found& best) {
   const double least = best.window.local && !free_form      ? kLeastNetLocal
                        : search.first_gain > 0 || free_form ? kLeastNetBeside
                                                             : kLeastNet;
-  return best.net_nats >= least + kNatsADecade * decades_below_usual(search, best) &&
-         best.gain_nats >= least_share * search.first_gain;
+  if (best.net_nats < least || best.gain_nats < least_share * search.first_gain) return false;
+  return best.net_nats >= least + kNatsADecade * decades_below_usual(search, best);
 }
 
 /// Between the rows at which windows that pay begin and end. Where noise wanders a jump shows in one row alone, so
@@ -243,9 +243,11 @@ std::optional<Found> next_effect(const Signals& s, SensorSearch& search) {
     return held_out(with, {with.found.size() - 1}).gain_nats >= kLeastHeldOut;
   };
   std::optional<Found> best = chosen(s, search, judge, refined);
-  if (best && best->window.local && !predicts(*best)) best = nameless_instead(search, refined);
-  if (!best || !predicts(*best)) return std::nullopt;
-  best->rivals = std::move(ranking);
+  if (best && !predicts(*best)) {
+    best = best->window.local ? nameless_instead(search, refined) : std::nullopt;
+    if (best && !predicts(*best)) best.reset();
+  }
+  if (best) best->rivals = std::move(ranking);
   return best;
 }
 

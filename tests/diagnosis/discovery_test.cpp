@@ -20,13 +20,7 @@
 namespace stillpoint::diag {
 namespace {
 
-sim::SimulationConfig with_law(const std::string& effects) {
-  return test::parsed(
-      "rate_hz: 50\naccelerometer: {noise_mps2: 0.01}\ngyroscope: {noise_radps: 0.0005}\n"
-      "magnetometer: {noise_uT: 0.2}\nmotion: {kind: hand, duration_s: 60}\n"
-      "environment: {temperature: {kind: warm_up, rise_K: 15}, current: {kind: steps}}\neffects:\n" +
-      effects);
-}
+using test::with_law;
 
 io::Recording recording_of(const sim::SimulationConfig& config, std::uint64_t seed) {
   return io::to_recording(sim::simulate(config, seed));

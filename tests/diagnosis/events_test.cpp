@@ -2,22 +2,12 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "diagnosis/diagnose.h"
-#include "io/simulated_recording.h"
 #include "simulation/law_effect.h"
 #include "simulation/simulator.h"
 #include "tests/diagnosis/simulated.h"
 
 namespace stillpoint::diag {
 namespace {
-
-sim::SimulationConfig with_law(const std::string& effect) {
-  return test::parsed(
-      "rate_hz: 50\naccelerometer: {noise_mps2: 0.01}\ngyroscope: {noise_radps: 0.0002}\n"
-      "magnetometer: {noise_uT: 0.2}\nmotion: {kind: hand, duration_s: 60}\n"
-      "environment: {temperature: {kind: warm_up, rise_K: 15}, current: {kind: steps}}\neffects:\n" +
-      effect);
-}
 
 Answer answer_of(sim::SimulationConfig truth) {
   const io::Recording recording = io::to_recording(sim::simulate(truth, 3));
@@ -27,8 +17,9 @@ Answer answer_of(sim::SimulationConfig truth) {
 
 /// A jump that settles looks to an autoregression like its own memory, but for the one row in which it jumps.
 TEST(Events, AnOffsetThatJumpsAndSettlesIsALawOfItsMoment) {
-  const Answer answer = answer_of(with_law(
-      "  - {effect: law, sensor: gyr, law: \"step(t, 26.07) * exp(-(t - 26.07) / 3)\", k: [0.007, -0.004, 0.005]}"));
+  const Answer answer = answer_of(test::with_law(
+      "  - {effect: law, sensor: gyr, law: \"step(t, 26.07) * exp(-(t - 26.07) / 3)\", k: [0.007, -0.004, 0.005]}",
+      "0.0002"));
   ASSERT_THAT(answer.effects, testing::Contains(testing::Truly(sim::is_law))) << answer.diagnosis.summary;
   const auto law = std::find_if(answer.effects.begin(), answer.effects.end(), sim::is_law);
   EXPECT_THAT(sim::expression_of(*law), testing::MatchesRegex("step\\(t, 26.0[678]\\) \\* exp\\(.*"))
@@ -37,8 +28,8 @@ TEST(Events, AnOffsetThatJumpsAndSettlesIsALawOfItsMoment) {
 
 /// Stress that relaxes after a part was bolted down: with its time constant, so that a simulation can have it.
 TEST(Events, WhatRelaxesFromTheStartOnIsWrittenAsALaw) {
-  const Answer answer =
-      answer_of(with_law("  - {effect: law, sensor: acc, law: \"log(1 + t / 5)\", k: [0.02, -0.015, 0.03]}"));
+  const Answer answer = answer_of(
+      test::with_law("  - {effect: law, sensor: acc, law: \"log(1 + t / 5)\", k: [0.02, -0.015, 0.03]}", "0.0002"));
   ASSERT_THAT(answer.effects, testing::Contains(testing::Truly(sim::is_law))) << answer.diagnosis.summary;
   const auto law = std::find_if(answer.effects.begin(), answer.effects.end(), sim::is_law);
   EXPECT_THAT(sim::expression_of(*law), testing::StartsWith("log(1 + t / ")) << answer.diagnosis.summary;

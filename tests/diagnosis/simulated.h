@@ -35,6 +35,14 @@ inline sim::SimulationConfig parsed(const std::string& yaml) {
   return config.value_or(sim::SimulationConfig{});
 }
 
+/// A minute of a hand beside an exact reference, with entries of `effects:` as users write them.
+inline sim::SimulationConfig with_law(const std::string& effects, const std::string& gyr_noise_radps = "0.0005") {
+  return parsed("rate_hz: 50\naccelerometer: {noise_mps2: 0.01}\ngyroscope: {noise_radps: " + gyr_noise_radps +
+                "}\nmagnetometer: {noise_uT: 0.2}\nmotion: {kind: hand, duration_s: 60}\n"
+                "environment: {temperature: {kind: warm_up, rise_K: 15}, current: {kind: steps}}\neffects:\n" +
+                effects);
+}
+
 /// The recording of `config` with one effect more; none when `id` is empty.
 inline io::Recording record(sim::SimulationConfig config, const std::string& id, const Parameters& parameters,
                             std::uint64_t seed) {
