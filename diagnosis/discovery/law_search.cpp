@@ -173,22 +173,22 @@ class LawSearch::Round {
 
   std::vector<Term> of_all() {
     first_level();
-    return from_the_best();
-  }
-
-  std::vector<Term> of_events() {
-    for (const Look& l : p_.best(p_.events, 0, kShort, p_.slow, thin_.all)) judge(p_.events[l.idea], l.shape);
-    refine_best();
-    return from_the_best();
-  }
-
- private:
-  std::vector<Term> from_the_best() {
     for (std::size_t step = 0; step < kMostSteps && further();) ++step;
     while (settle_numbers()) continue;
     const std::size_t formulas = ideas_.size();
     for (Idea& idea : table_ideas(p_.slow.drivers)) ideas_.push_back(std::move(idea));
     shortlist(formulas, 1);
+    return those_that_pay();
+  }
+
+  /// No step further: what settles is among them, and further factors would follow one motion.
+  std::vector<Term> of_events() {
+    for (const Look& l : p_.best(p_.events, 0, kShort, p_.slow, thin_.all)) judge(p_.events[l.idea], l.shape);
+    return those_that_pay();
+  }
+
+ private:
+  std::vector<Term> those_that_pay() {
     refine_best();
     std::erase_if(terms_, [](const Term& t) { return t.found.net_nats <= 0; });
     return std::move(terms_);
