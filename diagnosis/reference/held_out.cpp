@@ -100,14 +100,26 @@ std::vector<int> regimes_of(const Eigen::MatrixXd& look) {
   return of_block;
 }
 
+/// A regime of more than half of the blocks in two folds, of pieces beside each other: the rest alone, a few seconds of
+/// motion, would have to tell what the whole recording reads at rest.
+void split_the_largest(std::vector<int>& of_block) {
+  const auto piece = static_cast<std::size_t>(kFold_s / kRegime_s);
+  for (int regime = 0; regime < kRegimes; ++regime) {
+    if (2 * std::count(of_block.begin(), of_block.end(), regime) <= std::ssize(of_block)) continue;
+    for (std::size_t b = 0; b < of_block.size(); ++b)
+      if (of_block[b] == regime && (b / piece) % 2 == 1) of_block[b] = kRegimes;
+  }
+}
+
 /// Kinds of motion rather than pieces of it: what goes along with the true driver in one motion still does so half a
 /// second later, in another it need not.
 Folds by_regime(const Target& t, const Columns& columns) {
   Folds f;
   f.block = std::max<Eigen::Index>(1, std::lround(kRegime_s / t.rows.step_s));
-  const std::vector<int> of_block = regimes_of(looks_of(t, columns, f.block));
+  std::vector<int> of_block = regimes_of(looks_of(t, columns, f.block));
   if (of_block.empty()) return f;
-  f.count = kRegimes;
+  split_the_largest(of_block);
+  f.count = 1 + *std::max_element(of_block.begin(), of_block.end());
   for (Eigen::Index i = 0; i < t.layout.n; ++i) f.of_row.push_back(of_block[static_cast<std::size_t>(i / f.block)]);
   return f;
 }

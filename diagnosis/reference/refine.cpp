@@ -131,7 +131,7 @@ Found found_from(const TimingLaw& law, const TimingFit& fit, const Window& windo
 Window refine_window(const Target& target, const Columns& explained, const Law& law, const Candidate& c,
                      const NoiseModel& noise) {
   const Columns everywhere = law.columns(c.shape);
-  const auto shortest = static_cast<Eigen::Index>(shortest_s(law.extent) / target.rows.step_s);
+  const auto shortest = static_cast<Eigen::Index>(kShortestWindow_s / target.rows.step_s);
   Window window = c.window;
   for (int step = 0; step < kEdgeSteps; ++step) {
     const Window moved = moved_edges(target, explained, everywhere, window, noise);

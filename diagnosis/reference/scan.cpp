@@ -8,8 +8,7 @@ namespace {
 
 constexpr double kBlock_s = 0.5;
 constexpr Eigen::Index kCoarse = 4;  // window edges are tried every 4 blocks, then refined
-constexpr std::array<double, 8> kLengths_s{8, 10, 12, 16, 20, 26, 32, 40};
-constexpr double kShortestStep_s = 4.0;
+constexpr std::array<double, 9> kLengths_s{6, 8, 10, 12, 16, 20, 26, 32, 40};
 
 /// Columns over their Cholesky factor: orthonormal where `gram` is their Gram matrix. Units are taken out first, and a
 /// whisper of ridge stands against exact copies.
@@ -24,8 +23,6 @@ void make_orthonormal(Eigen::Ref<Eigen::MatrixXd> columns, const Eigen::MatrixXd
 }
 
 }  // namespace
-
-double shortest_s(Extent extent) { return extent == Extent::kStep ? kShortestStep_s : kLengths_s[0] - 2.0; }
 
 Columns in_window(Columns columns, const Window& window) {
   if (!window.local) return columns;
@@ -125,8 +122,8 @@ double Scan::gain(const Sums& sums, Eigen::Index first, Eigen::Index last) const
   return 0.5 * r.dot(A.ldlt().solve(r));
 }
 
-void Scan::refine_edges(const Sums& sums, const Law& law, Eigen::Index& first, Eigen::Index& last, double& best) const {
-  const auto shortest = static_cast<Eigen::Index>(shortest_s(law.extent) / kBlock_s);
+void Scan::refine_edges(const Sums& sums, Eigen::Index& first, Eigen::Index& last, double& best) const {
+  const auto shortest = static_cast<Eigen::Index>(kShortestWindow_s / kBlock_s);
   for (int round = 0; round < 2; ++round) {
     for (Eigen::Index* edge : {&first, &last}) {
       const Eigen::Index centre = *edge;
@@ -158,11 +155,11 @@ std::vector<Candidate> Scan::look(const Law& law, std::size_t index) const {
       const double g = gain(sums, first, last);
       if (g > best) best = g, best_first = first, best_last = last;
     };
-    const auto shortest_open = static_cast<Eigen::Index>(shortest_s(law.extent) / kBlock_s);
+    const auto shortest_open = static_cast<Eigen::Index>(kShortestWindow_s / kBlock_s);
     for (Eigen::Index first = 0; first < blocks_; first += kCoarse) {
       if (first > 0 && blocks_ - first >= shortest_open) consider(first, blocks_);
       if (law.extent == Extent::kStep) {
-        for (Eigen::Index last = first + static_cast<Eigen::Index>(kShortestStep_s / kBlock_s);
+        for (Eigen::Index last = first + static_cast<Eigen::Index>(kShortestWindow_s / kBlock_s);
              first > 0 && last < blocks_; last += kCoarse)
           consider(first, last);
       } else {
@@ -173,7 +170,7 @@ std::vector<Candidate> Scan::look(const Law& law, std::size_t index) const {
       }
     }
     if (best < 0) continue;
-    refine_edges(sums, law, best_first, best_last, best);
+    refine_edges(sums, best_first, best_last, best);
     if (best > local.gain_nats) {
       local.gain_nats = best;
       local.shape = shape;

@@ -12,8 +12,7 @@ struct Window {
   bool operator==(const Window&) const = default;
 };
 
-/// The shortest window that is believed: a step is seen by its edge, another law needs its driver to vary.
-[[nodiscard]] double shortest_s(Extent extent);
+constexpr double kShortestWindow_s = 4.0;  ///< that is believed
 
 /// Zero outside of the window.
 [[nodiscard]] Columns in_window(Columns columns, const Window& window);
@@ -41,7 +40,7 @@ class Scan {
   };
   [[nodiscard]] Sums sums_of(const Columns& columns) const;
   [[nodiscard]] double gain(const Sums& sums, Eigen::Index first, Eigen::Index last) const;
-  void refine_edges(const Sums& sums, const Law& law, Eigen::Index& first, Eigen::Index& last, double& best) const;
+  void refine_edges(const Sums& sums, Eigen::Index& first, Eigen::Index& last, double& best) const;
 
   const Target& target_;
   const NoiseModel& noise_;

@@ -109,6 +109,21 @@ TEST(Windows, WhatFollowsTemperatureForAWhileKeepsItsLaw) {
     EXPECT_THAT(names(diagnose(for_a_while(config, id, parameters, 5), config)), testing::ElementsAre(id));
 }
 
+/// Held to six seconds it takes in a second and a half in which nothing acts, and no law of temperature fits that.
+TEST(Windows, AShortOneHasItsOwnEdges) {
+  auto config = loaded();
+  config.environment.temperature = {.kind = "chamber", .start_degC = 10.0, .rise_K = 30.0, .period_s = 25.0};
+  auto real = config;
+  real.effects.push_back({.id = "acc_temp_scale",
+                          .parameters = {{"S_per_K", {2e-3, -1.5e-3, 1e-3}}},
+                          .axes = {},
+                          .window_s = {{40.0, 44.5}}});
+  const Answer answer = diagnose(test::record(real, "", {}, 5), config);
+  ASSERT_THAT(names(answer), testing::ElementsAre("acc_temp_scale"));
+  EXPECT_NEAR(answer.diagnosis.findings.front().interval_s[0], 40.0, 0.5);
+  EXPECT_NEAR(answer.diagnosis.findings.front().interval_s[1], 44.5, 0.5);
+}
+
 TEST(Windows, TheTemperatureOfAWindowInWhichItHardlyChangesIsNotNamed) {
   auto config = loaded();
   config.environment.temperature.tau_s = 8.0;
