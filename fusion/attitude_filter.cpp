@@ -253,7 +253,7 @@ void AttitudeFilter::inject() noexcept {
   vec(s_.x.velocity_mps) = heading * vec(s_.x.velocity_mps) + d.segment<3>(kVelocity);
   vec(s_.x.position_m) = heading * vec(s_.x.position_m) + d.segment<3>(kPosition);
   s_.x.disturbance_rad += d(kDisturbance);
-  if (s_.denied_s > 0.0) return;
+  if (s_.denied_s > 0.0 && s_.learning_anew_s <= 0.0) return;
   vec(s_.x.gyr_bias_radps) += d.segment<3>(kGyrBias);
   vec(s_.x.acc_bias_mps2) += d.segment<3>(kAccBias);
   Eigen::Map<Eigen::Matrix<double, 9, 1>>(s_.x.gyr_matrix.data()) += d.segment<9>(kGyrMatrix);

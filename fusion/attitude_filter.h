@@ -213,6 +213,8 @@ class AttitudeFilter {
     double unclipped_radps = 0.0;
     double since_pause_s = 0.0;
     double denied_s = 0.0;          ///< for this long yet the sensors are not learnt from
+    double denied_for_s = 0.0;      ///< for this long they have not been
+    double learning_anew_s = 0.0;   ///< for this long yet they are, denied or not
     double since_gyr_jump_s = 1e9;  ///< of its offset
     double since_acc_jump_s = 1e9;
     double since_rest_s = 0.0;    ///< since one that the gyroscope agreed to
@@ -234,6 +236,7 @@ class AttitudeFilter {
   void start_from(const Vec3& acc_mps2) noexcept;
   void start_errors() noexcept;
   void forget_sensors() noexcept;
+  void unlearn_sensors() noexcept;
   void judge(const CalibratedSample& sample, bool acc, bool gyr, double dt_s) noexcept;
   void turn(const CalibratedSample& sample, bool usable, double dt_s) noexcept;
   void bridge(const CalibratedSample& sample, bool gyr, bool acc, double dt_s) noexcept;
@@ -253,6 +256,7 @@ class AttitudeFilter {
   void start_heading(const HeadingReading& reading) noexcept;
   void follow_iron(const Vec3& seen, const Mat3& R_mean, double time_s) noexcept;
   [[nodiscard]] bool heading_unknown() const noexcept;
+  [[nodiscard]] ErrorVector taught_by_heading(const HeadingReading& reading, double expected_rad2) const noexcept;
   void measure_heading(const HeadingReading& reading, double time_s) noexcept;
   void inject() noexcept;
   [[nodiscard]] AttitudeEstimate estimate(std::int64_t t_ns) const noexcept;

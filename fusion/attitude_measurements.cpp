@@ -17,6 +17,7 @@ constexpr double kRestDoubt_s = 1.0;    ///< the rest detector has seen the moti
 constexpr double kRestInsists_s = 3.0;  ///< the detector's own windows are shorter
 constexpr double kRestLean = 6.0;       ///< mean of a chi-square of two: one in four hundred
 constexpr double kDenied_s = 5.0;       ///< so long nothing is learnt of sensors that have been denied
+constexpr double kLearnAnew_s = 10.0;   ///< after so long everything is, and for so long
 constexpr double kDoubtIn_s = 1.0;
 constexpr double kKnownTilt_rad = 0.05;
 constexpr double kLongUntrusted_s = 30.0;
@@ -64,9 +65,20 @@ void AttitudeFilter::hear_witnesses(double time_s) noexcept {
   s_.witnesses.observe(vec(s_.sums.motion.force) / time_s, field, time_s);
   const double lean2 = s_.witnesses.denied_rad2();
   s_.denied_s = lean2 > 0.0 ? kDenied_s : s_.denied_s - time_s;
-  if (s_.denied_s <= 0.0) return;
+  s_.learning_anew_s -= time_s;
+  if (s_.denied_s <= 0.0) {
+    s_.denied_for_s = 0.0;
+    return;
+  }
   for (int i = 0; i < 3; ++i) s_.error.add_variance(kTheta + i, lean2 * time_s / kDoubtIn_s);
+  if (s_.learning_anew_s > 0.0) return;
   forget_sensors();
+  // What was learnt may itself be what they deny, and nothing corrects it meanwhile.
+  s_.denied_for_s += time_s;
+  if (s_.denied_for_s < kLearnAnew_s) return;
+  unlearn_sensors();
+  s_.learning_anew_s = kLearnAnew_s;
+  s_.denied_for_s = 0.0;
 }
 
 /// (A27) While the sensors are denied nothing is known that could have jumped; a pause leaves an error of its own.
@@ -275,7 +287,21 @@ void AttitudeFilter::measure_heading(const HeadingReading& reading, double time_
   const double excess = std::abs(s_.heading_stress) - 1.0;
   if (excess > 0.0) s_.error.add_variance(kTheta + 2, params_.heading_doubt * blend * excess * expected);
   const double lasting = instant * std::max(1.0, 2.0 * params_.heading_noise_time_s / time_s);
-  s_.error.update(h, innovation, lasting + reading.white_variance_rad2, reading.iron);
+  s_.error.update(h, innovation, lasting + reading.white_variance_rad2, reading.iron,
+                  taught_by_heading(reading, expected));
+}
+
+/// (A31) A body's iron goes round with the body: what it does to the heading looks like a scale of the gyroscope, which
+/// is learnt by the share that the iron has no part in. Where the field does not even turn with the body it steers the
+/// heading alone. `expected_rad2` is the innovation's variance.
+ErrorVector AttitudeFilter::taught_by_heading(const HeadingReading& reading, double expected_rad2) const noexcept {
+  ErrorVector taught = ErrorVector::Zero();
+  taught(kTheta + 2) = taught(kDisturbance) = 1.0;
+  if (s_.turn_witness.denied()) return taught;
+  const double of_iron_rad2 = reading.iron.dot(s_.hard_iron.left_uT2(params_.hard_iron) * reading.iron);
+  taught.setOnes();
+  taught.segment<9>(kGyrMatrix).setConstant(expected_rad2 / (expected_rad2 + of_iron_rad2));
+  return taught;
 }
 
 }  // namespace stillpoint::fusion

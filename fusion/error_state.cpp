@@ -55,27 +55,38 @@ void ErrorState::propagate(const MotionSums& sums, const ProcessNoise& noise) no
   cov.triangularView<Eigen::StrictlyUpper>() = cov.transpose();  // equal but for the last bits
 }
 
-void ErrorState::correct(const ErrorVector& Ph, double innovation, double s, const Eigen::RowVector4d& iron,
-                         const ByJump& jump) noexcept {
-  if (!(s > 0.0) || !std::isfinite(innovation) || !std::isfinite(s)) return;
-  const ErrorVector scaled = Ph / s;
-  P().noalias() -= scaled * Ph.transpose();
-  Eigen::Map<ErrorVector>(mean_.data()) += scaled * innovation;
-  pull_.add(scaled.head<3>() * innovation, scaled.head<3>().cwiseProduct(Ph.head<3>()));
-  by_iron().noalias() -= scaled * iron;
-  by_jump().noalias() -= scaled * jump;
-  for (int i = 0; i < kJumps; ++i) evidence_[static_cast<std::size_t>(i)].add(jump.segment<3>(3 * i), innovation, s);
+void ErrorState::correct(const ErrorVector& gain, const ErrorVector& Ph, const Innovation& v) noexcept {
+  P().noalias() -= gain * Ph.transpose();
+  Eigen::Map<ErrorVector>(mean_.data()) += gain * v.value;
+  pull_.add(gain.head<3>() * v.value, gain.head<3>().cwiseProduct(Ph.head<3>()));
+  by_iron().noalias() -= gain * v.by_iron;
+  by_jump().noalias() -= gain * v.by_jump;
 }
 
-void ErrorState::update(const ErrorVector& h, double z, double variance, const Vec3& iron) noexcept {
+void ErrorState::weigh_jumps(const Innovation& v) noexcept {
+  for (int i = 0; i < kJumps; ++i)
+    evidence_[static_cast<std::size_t>(i)].add(v.by_jump.segment<3>(3 * i), v.value, v.variance);
+}
+
+void ErrorState::update(const ErrorVector& h, double z, double variance, const Vec3& iron,
+                        const ErrorVector& taught) noexcept {
   const ErrorVector Ph = P() * h;
-  correct(Ph, z - h.dot(mean()), h.dot(Ph) + variance,
-          h.transpose() * by_iron() + Eigen::RowVector4d(iron.x(), iron.y(), iron.z(), 0.0), h.transpose() * by_jump());
+  const Innovation v{z - h.dot(mean()), h.dot(Ph) + variance,
+                     h.transpose() * by_iron() + Eigen::RowVector4d(iron.x(), iron.y(), iron.z(), 0.0),
+                     h.transpose() * by_jump()};
+  if (!v.usable()) return;
+  const ErrorVector gain = taught.cwiseProduct(Ph) / v.variance;
+  correct(gain, Ph, v);
+  P().noalias() -= (Ph - v.variance * gain) * gain.transpose();
+  if (taught(kGyrBias) > 0.0) weigh_jumps(v);
 }
 
 void ErrorState::update(int index, double z, double variance) noexcept {
   const ErrorVector Ph = P().col(index);
-  correct(Ph, z - mean()(index), Ph(index) + variance, by_iron().row(index), by_jump().row(index));
+  const Innovation v{z - mean()(index), Ph(index) + variance, by_iron().row(index), by_jump().row(index)};
+  if (!v.usable()) return;
+  correct(Ph / v.variance, Ph, v);
+  weigh_jumps(v);
 }
 
 void ErrorState::begin_jump(int jump, int first) noexcept {

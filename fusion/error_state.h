@@ -2,6 +2,7 @@
 /// (A4)-(A7) of docs/math/attitude.md.
 #pragma once
 #include <array>
+#include <cmath>
 #include <type_traits>
 
 #include "core/types.h"
@@ -91,8 +92,11 @@ class ErrorState {
   [[nodiscard]] Mat3 iron_rad2(const Mat3& left_uT2) const noexcept;
 
   /// (A7) One scalar measurement z = h' x + iron' (error of the hard iron) + noise. The mean gathers the correction
-  /// until take_mean(). A row that is not finite changes nothing.
-  void update(const ErrorVector& h, double z, double variance, const Vec3& iron = Vec3::Zero()) noexcept;
+  /// until take_mean(). A row that is not finite changes nothing. Errors for which `taught` has a zero, not a one, are
+  /// left as they are (A31): what the measurement errs by would be taken for theirs. Nor does it then tell of jumps
+  /// of the offsets, where it may not teach the gyroscope's.
+  void update(const ErrorVector& h, double z, double variance, const Vec3& iron = Vec3::Zero(),
+              const ErrorVector& taught = ErrorVector::Ones()) noexcept;
   /// The same for z = x(index) + noise.
   void update(int index, double z, double variance) noexcept;
 
@@ -117,10 +121,15 @@ class ErrorState {
   [[nodiscard]] ErrorVector take_mean() noexcept;
 
  private:
-  using ByJump = Eigen::Matrix<double, 1, 3 * kJumps>;
-  /// `by_iron` and `by_jump` are the innovation's own dependence on the hard iron and on the jumps.
-  void correct(const ErrorVector& Ph, double innovation, double s, const Eigen::RowVector4d& by_iron,
-               const ByJump& by_jump) noexcept;
+  /// An innovation, its variance, and its own dependence on the hard iron and on the jumps.
+  struct Innovation {
+    double value, variance;
+    Eigen::RowVector4d by_iron;
+    Eigen::Matrix<double, 1, 3 * kJumps> by_jump;
+    [[nodiscard]] bool usable() const noexcept { return variance > 0.0 && std::isfinite(value * variance); }
+  };
+  void correct(const ErrorVector& gain, const ErrorVector& Ph, const Innovation& v) noexcept;
+  void weigh_jumps(const Innovation& v) noexcept;
   [[nodiscard]] Eigen::Map<const JumpMatrix> by_jump() const noexcept {
     return Eigen::Map<const JumpMatrix>(by_jump_.data());
   }

@@ -153,5 +153,22 @@ TEST(AttitudeJacobian, AnUpdateIsThatOfTheGaussian) {
   EXPECT_LT((state.take_mean() - before * h * (0.3 / s)).norm(), 1e-12);
 }
 
+TEST(AttitudeJacobian, WhatAnUpdateDoesNotTeachStaysAndTheCovarianceIsThatOfTheGain) {
+  // Joseph's form, (I - k h') P (I - k h')' + k r k', holds for any gain.
+  ErrorState state;
+  state.start(ErrorVector::LinSpaced(0.1, 2.0));
+  for (int i = 0; i < 3; ++i) state.depend(kTheta + i, 0.2 * ErrorVector::Unit(kGyrBias + i));
+  const ErrorMatrix before = state.P();
+  ErrorVector h = ErrorVector::Zero(), taught = ErrorVector::Ones();
+  h(kTheta) = -0.4, h(kTheta + 2) = 1.0;
+  taught.segment<3>(kGyrBias).setZero();
+  state.update(h, 0.3, 0.05, Vec3::Zero(), taught);
+  const ErrorVector gain = taught.cwiseProduct(before * h) / (h.dot(before * h) + 0.05);
+  const ErrorMatrix left = ErrorMatrix::Identity() - gain * h.transpose();
+  EXPECT_LT((state.P() - (left * before * left.transpose() + 0.05 * gain * gain.transpose())).norm(), 1e-12);
+  EXPECT_EQ(state.mean().segment<3>(kGyrBias), Vec3::Zero());
+  EXPECT_GT(std::abs(state.mean()(kTheta + 2)), 0.01);
+}
+
 }  // namespace
 }  // namespace stillpoint::fusion
