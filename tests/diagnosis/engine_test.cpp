@@ -69,7 +69,7 @@ TEST(Engine, AWindowThatIsSeenForTooShortIsHeldToTheShortestFromTheEdgeThatIsSee
   auto config = baseline("exact", 60.0);
   config.environment.current.kind = "steps";
   auto recording = record(config, "", {}, 7);
-  constexpr std::size_t kBegin = 1012, kOff = 1200;
+  constexpr std::size_t kBegin = 1012, kOff = 1100;
   std::mt19937_64 random(7);
   std::normal_distribution<double> noise(0.0, 0.02);
   for (std::size_t i = 0; i < recording.size(); ++i) {
@@ -84,12 +84,12 @@ TEST(Engine, AWindowThatIsSeenForTooShortIsHeldToTheShortestFromTheEdgeThatIsSee
   const auto law = std::find_if(laws.begin(), laws.end(), [](const Law& l) { return l.id == "mag_current"; });
   ASSERT_NE(law, laws.end());
   Candidate rough;
-  rough.window = {true, 1000, 1275};
+  rough.window = {true, 1000, 1150};
   const NoiseModel noise_beside(target.layout,
                                 fit_profile(target, in_window(law->columns(0.0), rough.window)).leftover);
   const Window refined = refine_window(target, {}, *law, rough, noise_beside);
   EXPECT_NEAR(static_cast<double>(refined.begin), static_cast<double>(kBegin), 2.0);
-  EXPECT_EQ(refined.end - refined.begin, static_cast<Eigen::Index>(shortest_s(law->extent) / signals->dt_s));
+  EXPECT_EQ(refined.end - refined.begin, static_cast<Eigen::Index>(kShortestWindow_s / signals->dt_s));
 }
 
 TEST(Engine, FindsNothingMoreOnceTheFindingIsInTheSimulation) {
