@@ -93,8 +93,8 @@ class ErrorState {
 
   /// (A7) One scalar measurement z = h' x + iron' (error of the hard iron) + noise. The mean gathers the correction
   /// until take_mean(). A row that is not finite changes nothing. `taught`, 0 to 1, scales the gain of each error
-  /// (A31): what the measurement itself errs by would be taken for theirs. One that may not teach the gyroscope's offset
-  /// does not tell of jumps either.
+  /// (A31): what the measurement itself errs by would be taken for theirs. One that may not teach the gyroscope's
+  /// offset does not tell of jumps either.
   void update(const ErrorVector& h, double z, double variance, const Vec3& iron = Vec3::Zero(),
               const ErrorVector& taught = ErrorVector::Ones()) noexcept;
   /// The same for z = x(index) + noise.
