@@ -236,7 +236,6 @@ class AttitudeFilter {
   void start_from(const Vec3& acc_mps2) noexcept;
   void start_errors() noexcept;
   void forget_sensors() noexcept;
-  void unlearn_sensors() noexcept;
   void judge(const CalibratedSample& sample, bool acc, bool gyr, double dt_s) noexcept;
   void turn(const CalibratedSample& sample, bool usable, double dt_s) noexcept;
   void bridge(const CalibratedSample& sample, bool gyr, bool acc, double dt_s) noexcept;

@@ -76,7 +76,6 @@ void AttitudeFilter::hear_witnesses(double time_s) noexcept {
   // What was learnt may itself be what they deny, and nothing corrects it meanwhile.
   s_.denied_for_s += time_s;
   if (s_.denied_for_s < kLearnAnew_s) return;
-  unlearn_sensors();
   s_.learning_anew_s = kLearnAnew_s;
   s_.denied_for_s = 0.0;
 }
@@ -291,16 +290,17 @@ void AttitudeFilter::measure_heading(const HeadingReading& reading, double time_
                   taught_by_heading(reading, expected));
 }
 
-/// (A31) A body's iron goes round with the body: what it does to the heading looks like a scale of the gyroscope, which
-/// is learnt by the share that the iron has no part in. Where the field does not even turn with the body it steers the
-/// heading alone. `expected_rad2` is the innovation's variance.
+/// (A31) A body's iron goes round with the body: what it does to the heading looks like a scale of the gyroscope or an
+/// offset of the accelerometer, which are learnt by the share that the iron has no part in. Where the field does not
+/// even turn with the gyroscope it steers the heading alone. `expected_rad2` is the innovation's variance.
 ErrorVector AttitudeFilter::taught_by_heading(const HeadingReading& reading, double expected_rad2) const noexcept {
   ErrorVector taught = ErrorVector::Zero();
   taught(kTheta + 2) = taught(kDisturbance) = 1.0;
-  if (s_.turn_witness.denied()) return taught;
+  if (s_.gyr_heard && s_.turn_witness.denied()) return taught;  // without a gyroscope the field is all there is
   const double of_iron_rad2 = reading.iron.dot(s_.hard_iron.left_uT2(params_.hard_iron) * reading.iron);
   taught.setOnes();
-  taught.segment<9>(kGyrMatrix).setConstant(expected_rad2 / (expected_rad2 + of_iron_rad2));
+  taught.segment<3>(kAccBias).setConstant(expected_rad2 / (expected_rad2 + of_iron_rad2));
+  taught.segment<9>(kGyrMatrix).setConstant(taught(kAccBias));
   return taught;
 }
 

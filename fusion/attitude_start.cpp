@@ -52,12 +52,6 @@ void AttitudeFilter::forget_sensors() noexcept {
   for (int i = 0; i < 9; ++i) s_.error.forget(kGyrMatrix + i, params_.gyr_matrix_sd * params_.gyr_matrix_sd);
 }
 
-/// The values of the start as well.
-void AttitudeFilter::unlearn_sensors() noexcept {
-  s_.x.gyr_bias_radps = s_.x.acc_bias_mps2 = {};
-  s_.x.gyr_matrix = {};
-}
-
 void AttitudeFilter::bridge(const CalibratedSample& sample, bool gyr, bool acc, double dt_s) noexcept {
   // What was gathered before the pause is one step, the pause another.
   if (s_.sums.motion.time_s > 0.0) covariance_step();
