@@ -18,6 +18,7 @@ struct Options {
   std::string recordings = stillpoint::in_source("../shared/recordings");
   std::string config, limits;
   std::vector<std::string> sets;
+  double begin_s = 0.0;
   unsigned seeds = 20;
   bool each = false, json = false, smooth = false;
   [[nodiscard]] Way way() const { return smooth ? Way::kSmoothed : Way::kCausal; }
@@ -140,8 +141,9 @@ int run(const Options& options) {
   const Wanted wanted = [&](const std::string& name) {
     return options.sets.empty() || std::find(options.sets.begin(), options.sets.end(), name) != options.sets.end();
   };
-  const PeerScores peers = read_peer(options.recordings + "/vqf_per_recording.csv");
-  std::vector<PortfolioSet> sets = recorded_sets(options.recordings, wanted);
+  PeerScores peers;  // of whole recordings
+  if (options.begin_s == 0.0) peers = read_peer(options.recordings + "/vqf_per_recording.csv");
+  std::vector<PortfolioSet> sets = recorded_sets(options.recordings, wanted, options.begin_s);
   if (sets.empty()) fmt::print(stderr, "{}: no recordings here; simulated sets only\n", options.recordings);
   for (auto& set : simulated_sets(options.seeds, wanted)) sets.push_back(std::move(set));
   nlohmann::json out{{"schema", "stillpoint.portfolio/1"}, {"sets", nlohmann::json::array()}};
@@ -167,6 +169,7 @@ int main(int argc, char** argv) {
   app.add_option("--recordings", options.recordings, "folder of the recordings")->capture_default_str();
   app.add_option("--config", options.config, "the daemon's configuration (.yaml); default: its defaults");
   app.add_option("--sets", options.sets, "names of sets, and gaps; default: all");
+  app.add_option("--begin", options.begin_s, "leave out so many seconds of every recording: a start in the middle");
   app.add_option("--seeds", options.seeds, "of each simulated set")->capture_default_str();
   app.add_flag("--each", options.each, "a line for every series too");
   app.add_flag("--smooth", options.smooth, "forward and backward, as estimate --smooth");

@@ -22,27 +22,36 @@ std::vector<std::filesystem::path> recordings_in(const std::filesystem::path& fo
   return files;
 }
 
-Series series_of(const std::string& name, const io::Recording& r, bool moving_only, double scored_from_s) {
+struct Counted {
+  bool moving_only;
+  double from_s;   ///< after the begin
+  double begin_s;  ///< rows before are left out
+};
+
+Series series_of(const std::string& name, const io::Recording& r, const Counted& counted) {
   Series series{name, {}, {}, {}};
   series.rows.reserve(r.size());
   for (std::size_t i = 0; i < r.size(); ++i) {
+    const double since_begin_s = r.t_s(i) - r.t_s(0) - counted.begin_s;
+    if (since_begin_s < 0.0) continue;
     const RawSample row = r.sample(i);
     if ((row.has & (kAcc | kGyr | kMag)) != 0) series.rows.push_back(row);
     if (r.ref_q_world_body.empty() || !r.ref_q_world_body[i].allFinite()) continue;
     const Eigen::Vector4d& q = r.ref_q_world_body[i];
-    const bool counts = moving_only ? r.ref_moving[i] == 1.0 : r.t_s(i) - r.t_s(0) >= scored_from_s;
+    const bool counts = counted.moving_only ? r.ref_moving[i] == 1.0 : since_begin_s >= counted.from_s;
     series.truths.push_back({r.t_ns[i], Quat(q(0), q(1), q(2), q(3)).normalized(), counts});
   }
   return series;
 }
 
 PortfolioSet read_set(const std::string& name, const std::string& peer, const std::filesystem::path& folder,
-                      double scored_from_s, const std::function<bool(const std::string&)>& belongs) {
+                      double scored_from_s, double begin_s, const std::function<bool(const std::string&)>& belongs) {
   PortfolioSet set{name, peer, scored_from_s, {}};
+  const Counted counted{peer == "broad", scored_from_s, begin_s};
   for (const auto& file : recordings_in(folder)) {
     if (!belongs(file.stem().string())) continue;
     if (const auto read = io::read_recording(file.string())) {
-      set.series.push_back(series_of(file.stem().string(), *read, peer == "broad", scored_from_s));
+      set.series.push_back(series_of(file.stem().string(), *read, counted));
     } else {
       std::fprintf(stderr, "%s\n", read.error().message.c_str());
     }
@@ -65,7 +74,7 @@ PeerScores read_peer(const std::string& csv_path) {
   return scores;
 }
 
-std::vector<PortfolioSet> recorded_sets(const std::string& folder, const Wanted& wanted) {
+std::vector<PortfolioSet> recorded_sets(const std::string& folder, const Wanted& wanted, double begin_s) {
   const auto running = [](const std::string& n) { return contains(n, "Running"); };
   const auto magnets = [](const std::string& n) { return contains(n, "_Dist_"); };
   const std::filesystem::path root(folder);
@@ -73,7 +82,7 @@ std::vector<PortfolioSet> recorded_sets(const std::string& folder, const Wanted&
   const auto add = [&](const char* name, const char* peer, const std::filesystem::path& from, double scored_from_s,
                        const std::function<bool(const std::string&)>& belongs) {
     if (!wanted(name)) return;
-    PortfolioSet set = read_set(name, peer, from, scored_from_s, belongs);
+    PortfolioSet set = read_set(name, peer, from, scored_from_s, begin_s, belongs);
     if (!set.series.empty()) sets.push_back(std::move(set));
   };
   add("broad", "broad", root / "broad", 0.0, [](const std::string&) { return true; });

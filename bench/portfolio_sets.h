@@ -24,8 +24,10 @@ struct PortfolioSet {
 };
 
 /// Those of the folder ../shared/recordings that are there; `wanted` is asked for each set's name before it is read.
+/// Rows of the first `begin_s` are left out: a start in the middle.
 using Wanted = std::function<bool(const std::string&)>;
-[[nodiscard]] std::vector<PortfolioSet> recorded_sets(const std::string& folder, const Wanted& wanted);
+[[nodiscard]] std::vector<PortfolioSet> recorded_sets(const std::string& folder, const Wanted& wanted,
+                                                      double begin_s = 0.0);
 [[nodiscard]] std::vector<PortfolioSet> simulated_sets(unsigned seeds, const Wanted& wanted);
 
 /// A consumer sensor in a hand for 150 s; `truths[k]` belongs to `rows[k]`.

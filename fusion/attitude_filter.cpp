@@ -101,6 +101,15 @@ void AttitudeFilter::set_attitude(const Quat& q_world_body) noexcept {
   mat(s_.R_world_body) = quat(s_.x.q_world_body).toRotationMatrix();
 }
 
+/// And all that is known in its axes of the field and of the start. Velocity and position are turned by heading alone.
+void AttitudeFilter::turn_world(const Quat& turn) noexcept {
+  set_attitude(turn * quat(s_.x.q_world_body));
+  const Mat3 R = turn.toRotationMatrix();
+  s_.iron_finder.turn_world(R);
+  s_.turn_witness.turn_world(R);
+  s_.moving_start.turn_world(R);
+}
+
 void AttitudeFilter::judge(const CalibratedSample& sample, bool acc, bool gyr, double dt_s) noexcept {
   if (acc) s_.acc_repeats.note(sample.acc_mps2, dt_s);
   s_.gyr_heard = gyr;
@@ -116,7 +125,8 @@ void AttitudeFilter::judge(const CalibratedSample& sample, bool acc, bool gyr, d
   }
   if (acc_stuck && gyr && !gyr_stuck) mat(s_.sums.velocity_m2ps2).diagonal().array() += unknown_speed2(dt_s);
   const bool acc_there = acc || (!sample.holds(kAcc) && (sample.absent & kAcc) == 0);
-  const bool whole = acc_there && gyr && acc_stuck == gyr_stuck && !drawn && sample.clipped == 0 && s_.regained;
+  const bool whole = acc_there && gyr && acc_stuck == gyr_stuck && !drawn && sample.clipped == 0 && s_.regained &&
+                     !s_.moving_start.under_way();
   s_.status = whole ? AttitudeStatus::kOk : AttitudeStatus::kDegraded;
 }
 
@@ -198,6 +208,7 @@ void AttitudeFilter::gather_field(const CalibratedSample& sample) noexcept {
 
 void AttitudeFilter::covariance_step() noexcept {
   const double time_s = s_.sums.motion.time_s;
+  if (start_in_motion(time_s)) return;
   ProcessNoise noise;
   noise.theta_rad2 = s_.sums.theta_rad2;
   noise.velocity_m2ps2 = s_.sums.velocity_m2ps2;
@@ -245,10 +256,7 @@ void AttitudeFilter::inject() noexcept {
     start_errors();  // overflow: keep the attitude, forget what was known of its error
     return;
   }
-  const Quat correction = exp_quat(d.segment<3>(kTheta));
-  set_attitude(correction * quat(s_.x.q_world_body));
-  s_.iron_finder.turn_world(correction.toRotationMatrix());
-  s_.turn_witness.turn_world(correction.toRotationMatrix());
+  turn_world(exp_quat(d.segment<3>(kTheta)));
   const Mat3 heading = exp_so3(Vec3(0.0, 0.0, d(kTheta + 2)));
   vec(s_.x.velocity_mps) = heading * vec(s_.x.velocity_mps) + d.segment<3>(kVelocity);
   vec(s_.x.position_m) = heading * vec(s_.x.position_m) + d.segment<3>(kPosition);

@@ -18,6 +18,7 @@
 #include "fusion/heading_reading.h"
 #include "fusion/iron_finder.h"
 #include "fusion/motion_scale.h"
+#include "fusion/moving_start.h"
 #include "fusion/offset_jumps.h"
 #include "fusion/rate_bridge.h"
 #include "fusion/straight_line.h"
@@ -184,6 +185,7 @@ class AttitudeFilter {
     HardIron hard_iron;
     IronFinder iron_finder;
     MotionScale motion_scale;
+    MovingStart moving_start;
     RateBridge rate_bridge;
     DeniedRest denied_rest;
     TwoWitnesses witnesses;
@@ -233,8 +235,10 @@ class AttitudeFilter {
   };
 
   void set_attitude(const Quat& q_world_body) noexcept;
+  void turn_world(const Quat& turn) noexcept;
   void start_from(const Vec3& acc_mps2) noexcept;
   void start_errors() noexcept;
+  [[nodiscard]] bool start_in_motion(double time_s) noexcept;
   void forget_sensors() noexcept;
   void judge(const CalibratedSample& sample, bool acc, bool gyr, double dt_s) noexcept;
   void turn(const CalibratedSample& sample, bool usable, double dt_s) noexcept;

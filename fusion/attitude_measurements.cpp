@@ -32,7 +32,8 @@ void AttitudeFilter::measure_motion(double time_s) noexcept {
   const MotionScale::Seen seen{{s_.x.velocity_mps[0], s_.x.velocity_mps[1]},
                                {P(kVelocity, kVelocity), P(kVelocity + 1, kVelocity + 1)},
                                array(Vec3(vec(s_.sums.motion.force) / time_s)),
-                               0.5 * s_.error.tilt_rad2()};
+                               0.5 * s_.error.tilt_rad2(),
+                               P.diagonal().segment<3>(kGyrBias).mean()};
   const double leaning_rad2 = s_.motion_scale.observe(seen, {params_.motion_speed_mps, params_.motion_time_s}, time_s);
   for (int i = 0; i < 2; ++i) s_.error.add_variance(kTheta + i, leaning_rad2);
   s_.since_pause_s += time_s;
@@ -250,12 +251,10 @@ void AttitudeFilter::follow_iron(const Vec3& seen, const Mat3& R_mean, double ti
 
 void AttitudeFilter::start_heading(const HeadingReading& reading) noexcept {
   const Quat turn_by(Eigen::AngleAxisd(reading.error_rad, Vec3::UnitZ()));
-  set_attitude(turn_by * quat(s_.x.q_world_body));
+  turn_world(turn_by);
   vec(s_.x.velocity_mps) = turn_by * Vec3(vec(s_.x.velocity_mps));
   vec(s_.x.position_m) = turn_by * Vec3(vec(s_.x.position_m));
   s_.error.turn_world(turn_by.toRotationMatrix());
-  s_.iron_finder.turn_world(turn_by.toRotationMatrix());
-  s_.turn_witness.turn_world(turn_by.toRotationMatrix());
   s_.witnesses.forget_field();
   s_.x.disturbance_rad = 0.0;
   s_.error.forget(kDisturbance, params_.heading_disturbance_rad * params_.heading_disturbance_rad);

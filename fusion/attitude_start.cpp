@@ -12,13 +12,14 @@ namespace stillpoint::fusion {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
-constexpr double kStartTilt_rad = 0.1;   ///< the first reading may hold 1 m/s^2 of motion
+constexpr double kStartTilt_rad = 0.1;                         ///< the first reading may hold 1 m/s^2 of motion
+constexpr double kFalling_mps2 = 0.1 * kStandardGravity_mps2;  ///< below it there is no down
 constexpr double kMovingTilt_rad = 0.3;  ///< of one reading in the middle of a motion: 3 m/s^2 across gravity
 
 }  // namespace
 
 void AttitudeFilter::start_from(const Vec3& acc_mps2) noexcept {
-  if (acc_mps2.norm() < 0.1 * kStandardGravity_mps2) return;  // falling: there is no down
+  if (acc_mps2.norm() < kFalling_mps2) return;
   const Quat tilt = Quat::FromTwoVectors(acc_mps2, Vec3::UnitZ());
   const Quat turn_to_heading(Eigen::AngleAxisd(s_.start_heading_rad - heading_of(tilt), Vec3::UnitZ()));
   set_attitude(turn_to_heading * tilt);
@@ -33,7 +34,7 @@ void AttitudeFilter::start_from(const Vec3& acc_mps2) noexcept {
 void AttitudeFilter::start_errors() noexcept {
   ErrorVector sd = ErrorVector::Zero();
   sd.segment<2>(kTheta).setConstant(s_.start_tilt_rad);
-  sd(kTheta + 2) = s_.heading_given ? kStartTilt_rad : 0.0;  // relative: counted from here
+  sd(kTheta + 2) = s_.heading_given ? s_.start_tilt_rad : 0.0;  // relative: counted from here
   sd.segment<3>(kVelocity).setConstant(params_.motion_speed_mps);
   sd.segment<3>(kGyrBias).setConstant(params_.gyr_bias_sd_radps);
   sd.segment<3>(kAccBias).setConstant(params_.acc_bias_sd_mps2);
@@ -41,6 +42,30 @@ void AttitudeFilter::start_errors() noexcept {
   sd(kDisturbance) = params_.heading_disturbance_rad;
   s_.error.start(sd);
   s_.jumps.restart(s_.error);
+}
+
+/// (A32) While the start is under way the mean force is up, and nothing else is learnt.
+bool AttitudeFilter::start_in_motion(double time_s) noexcept {
+  const Vec3 force = vec(s_.sums.motion.force) / time_s;
+  s_.moving_start.observe(force, time_s);
+  if (!s_.moving_start.under_way()) return false;
+  const bool came_to_rest = !s_.sums.moved;
+  if (came_to_rest) s_.moving_start.end();
+  const Vec3 up = came_to_rest ? force : s_.moving_start.force_mps2();
+  if (up.norm() > kFalling_mps2) turn_world(Quat::FromTwoVectors(up, Vec3::UnitZ()));
+  s_.start_tilt_rad = came_to_rest ? kStartTilt_rad : s_.moving_start.tilt_sd_rad();
+  const Array4 q = s_.x.q_world_body;
+  s_.x = Nominal{};
+  s_.x.q_world_body = q;
+  start_errors();
+  const double speed2 = params_.motion_speed_mps * params_.motion_speed_mps + s_.moving_start.speed2_m2ps2();
+  for (int i = 0; i < 3; ++i) s_.error.forget(kVelocity + i, speed2);
+  s_.motion_scale = {};
+  s_.error.pull() = {};
+  s_.field = FieldReference{};
+  s_.magnetic_s = 0.0;
+  s_.sums = Sums{};
+  return true;
 }
 
 /// The values stay, their deviations are those of the start.
@@ -82,7 +107,7 @@ void AttitudeFilter::bridge(const CalibratedSample& sample, bool gyr, bool acc, 
   if (!acc || tilt2 < kLostTilt_rad * kLostTilt_rad) return;
   const double heading2 = s_.error.P()(kTheta + 2, kTheta + 2) + unknown(2, 2) + tilt2;
   const Vec3 force = vec(sample.acc_mps2) - vec(s_.x.acc_bias_mps2);
-  if (force.norm() < 0.1 * kStandardGravity_mps2) return;
+  if (force.norm() < kFalling_mps2) return;
   const Quat down = Quat::FromTwoVectors(quat(s_.x.q_world_body) * force, Vec3::UnitZ());
   set_attitude(down * quat(s_.x.q_world_body));
   const double sd = kMovingTilt_rad + std::min(1.0, std::abs(force.norm() / kStandardGravity_mps2 - 1.0));

@@ -23,6 +23,10 @@ constexpr double kVehicleOdds = -3.5;      ///< log; one body in thirty is carri
 constexpr double kLeastTilt_rad2 = 1e-4;   ///< half a degree: no filter is surer of its tilt in motion
 constexpr double kSwing_s = 1.0;           ///< slower than a stride or a stroke of the arm
 constexpr double kSwingMemory_s = 5.0;
+constexpr double kBounceTime_s = 0.5;  ///< a runner's level speed, per axis, over the deviation of the force upwards
+constexpr double kRunning2 = 16.0;     ///< m^2/s^2, per axis: 4 m/s
+constexpr double kKnownOffset_radps = 0.01;  ///< deviation: what is known so well is not unlearnt by a stride
+constexpr double kUpright_rad2 = 0.04;       ///< of the tilt: beyond it nobody knows where up is
 constexpr double kSwingPeak2 = 9.0;  ///< a bound that a swing of that mean square seldom leaves: three deviations
 
 void follow(double& mean, double x, double period_s, double memory_s) {
@@ -67,7 +71,21 @@ void MotionScale::follow_swing(const Seen& seen, double usual_mps, double period
     swing += 0.5 * fast * fast;
   }
   follow(swing_m2ps2_, std::max(0.0, swing), period_s, kSwingMemory_s);
-  swing_ = std::clamp(kSwingPeak2 * swing_m2ps2_ / (usual_mps * usual_mps), 1.0, kLargest);
+  follow_bounce(seen, period_s);
+  // A bound too wide costs the tilt little; one too tight teaches an offset that nobody knows yet the runner's rounds.
+  const double unknown = seen.gyr_bias_rad2ps2 / (seen.gyr_bias_rad2ps2 + kKnownOffset_radps * kKnownOffset_radps);
+  const double swings = std::max(kSwingPeak2 * swing_m2ps2_,
+                                 unknown * std::min(kRunning2, kBounceTime_s * kBounceTime_s * bounce_m2ps4_));
+  swing_ = std::clamp(swings / (usual_mps * usual_mps), 1.0, kLargest);
+}
+
+/// No lean makes a force that goes up and down. Who runs bounces.
+void MotionScale::follow_bounce(const Seen& seen, double period_s) noexcept {
+  if (seen.tilt_rad2 > kUpright_rad2) return;
+  bounce_s_ = std::min(bounce_s_ + period_s, kSwingMemory_s);
+  follow(mean_up_mps2_, seen.force_mps2[2], period_s, bounce_s_);
+  const double bounce = seen.force_mps2[2] - mean_up_mps2_;
+  follow(bounce_m2ps4_, bounce * bounce, period_s, bounce_s_);
 }
 
 void MotionScale::weigh(const std::array<double, 3>& force_mps2, double period_s) noexcept {

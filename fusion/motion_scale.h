@@ -20,6 +20,7 @@ class MotionScale {
     std::array<double, 2> velocity_mps, variance_m2ps2;
     std::array<double, 3> force_mps2;  ///< mean of the period, world axes
     double tilt_rad2;                  ///< variance of the tilt, per axis
+    double gyr_bias_rad2ps2 = 0.0;     ///< variance of the gyroscope's offset, per axis
   };
 
   /// What is returned is the variance of the tilt [rad^2] that a hand would owe the surprise to: to be added to what
@@ -42,12 +43,16 @@ class MotionScale {
 
  private:
   void weigh(const std::array<double, 3>& force_mps2, double period_s) noexcept;
+  void follow_bounce(const Seen& seen, double period_s) noexcept;
   void follow_swing(const Seen& seen, double usual_mps, double period_s) noexcept;
   [[nodiscard]] double vehicle(double lean2, double tilt_rad2) const noexcept;
 
-  double scale_ = 1.0;                         ///< >= 1
-  double swing_ = 1.0;                         ///< >= 1
-  double swing_m2ps2_ = 0.0;                   ///< mean square of the velocity less its slow part, per axis
+  double scale_ = 1.0;         ///< >= 1
+  double swing_ = 1.0;         ///< >= 1
+  double swing_m2ps2_ = 0.0;   ///< mean square of the velocity less its slow part, per axis
+  double bounce_m2ps4_ = 0.0;  ///< variance of the force upwards
+  double mean_up_mps2_ = 0.0;
+  double bounce_s_ = 0.0;
   std::array<double, 2> slow_velocity_mps_{};  ///< over one swing
   std::array<double, 2> mean_velocity_mps_{};  ///< over twice the correlation time
   std::array<double, 3> mean_force_mps2_{};
