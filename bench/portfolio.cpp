@@ -169,11 +169,12 @@ int main(int argc, char** argv) {
   app.add_option("--recordings", options.recordings, "folder of the recordings")->capture_default_str();
   app.add_option("--config", options.config, "the daemon's configuration (.yaml); default: its defaults");
   app.add_option("--sets", options.sets, "names of sets, and gaps; default: all");
-  app.add_option("--begin", options.begin_s, "leave out so many seconds of every recording: a start in the middle");
+  app.add_option("--begin", options.begin_s, "leave out so many seconds of every recording: a start in the middle")
+      ->check(CLI::NonNegativeNumber);
   app.add_option("--seeds", options.seeds, "of each simulated set")->capture_default_str();
   app.add_flag("--each", options.each, "a line for every series too");
   app.add_flag("--smooth", options.smooth, "forward and backward, as estimate --smooth");
-  app.add_option("--check", options.limits, "fail where a figure is behind what FILE stores");
+  app.add_option("--check", options.limits, "fail where a figure is behind what FILE stores")->excludes("--begin");
   app.add_flag("--json", options.json, "on standard output, instead of the table");
   if (const auto end = parse(app, argc, argv)) return *end;
   return run(options);

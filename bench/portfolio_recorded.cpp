@@ -51,7 +51,11 @@ PortfolioSet read_set(const std::string& name, const std::string& peer, const st
   for (const auto& file : recordings_in(folder)) {
     if (!belongs(file.stem().string())) continue;
     if (const auto read = io::read_recording(file.string())) {
-      set.series.push_back(series_of(file.stem().string(), *read, counted));
+      Series series = series_of(file.stem().string(), *read, counted);
+      if (!series.rows.empty())
+        set.series.push_back(std::move(series));
+      else
+        std::fprintf(stderr, "%s: no row from %g s on\n", file.c_str(), begin_s);
     } else {
       std::fprintf(stderr, "%s\n", read.error().message.c_str());
     }

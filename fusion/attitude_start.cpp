@@ -12,8 +12,6 @@ namespace stillpoint::fusion {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
-constexpr double kStartTilt_rad = 0.1;                         ///< the first reading may hold 1 m/s^2 of motion
-constexpr double kFalling_mps2 = 0.1 * kStandardGravity_mps2;  ///< below it there is no down
 constexpr double kMovingTilt_rad = 0.3;  ///< of one reading in the middle of a motion: 3 m/s^2 across gravity
 
 }  // namespace
@@ -46,6 +44,10 @@ void AttitudeFilter::start_errors() noexcept {
 
 /// (A32) While the start is under way the mean force is up, and nothing else is learnt.
 bool AttitudeFilter::start_in_motion(double time_s) noexcept {
+  if (s_.sums.motion.force == Array3{}) {  // a pause, or no accelerometer: what was known has to do
+    if (s_.moving_start.under_way()) s_.moving_start.end();
+    return false;
+  }
   const Vec3 force = vec(s_.sums.motion.force) / time_s;
   s_.moving_start.observe(force, time_s);
   if (!s_.moving_start.under_way()) return false;
@@ -90,6 +92,7 @@ void AttitudeFilter::bridge(const CalibratedSample& sample, bool gyr, bool acc, 
     vec(s_.rate_radps) = raw - M * raw - vec(s_.x.gyr_bias_radps);
   }
   const Vec3 turned = 0.5 * dt_s * (before + vec(s_.rate_radps));
+  s_.moving_start.interrupt();
   s_.rate_bridge.interrupt();
   s_.iron_finder.interrupt();
   s_.turn_witness.interrupt();

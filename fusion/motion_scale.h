@@ -20,7 +20,7 @@ class MotionScale {
     std::array<double, 2> velocity_mps, variance_m2ps2;
     std::array<double, 3> force_mps2;  ///< mean of the period, world axes
     double tilt_rad2;                  ///< variance of the tilt, per axis
-    double gyr_bias_rad2ps2 = 0.0;     ///< variance of the gyroscope's offset, per axis
+    double gyr_bias_rad2ps2;           ///< variance of the gyroscope's offset, per axis
   };
 
   /// What is returned is the variance of the tilt [rad^2] that a hand would owe the surprise to: to be added to what

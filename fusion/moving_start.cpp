@@ -5,14 +5,14 @@
 
 #include "core/units.h"
 #include "fusion/attitude_storage.h"
+#include "fusion/attitude_unknown.h"
 
 namespace stillpoint::fusion {
 namespace {
 
-constexpr double kLook_s = 1.0;       ///< a start that has been calm for so long was none in motion
-constexpr double kStrong_mps2 = 1.5;  ///< deviation of the force, per axis: no hand that is held still
-constexpr double kFor_s = 3.0;        ///< two strides and more
-constexpr double kStartTilt_rad = 0.1;
+constexpr double kLook_s = 1.0;         ///< a start that has been calm for so long was none in motion
+constexpr double kStrong_mps2 = 1.5;    ///< deviation of the force, per axis: no hand that is held still
+constexpr double kFor_s = 3.0;          ///< two strides and more
 constexpr double kUnseenTime_s = 0.25;  ///< of a motion of which not even one swing has been seen
 constexpr double kUnseenSpeed_mps = 2.5;
 
@@ -42,9 +42,6 @@ void MovingStart::turn_world(const Mat3& R) noexcept {
 
 void MovingStart::observe(const Vec3& force_mps2, double period_s) noexcept {
   if (over_) return;
-  age_s_ += period_s;
-  over_ = age_s_ > (moving_ ? kFor_s : kLook_s);
-  if (force_mps2.norm() < 0.1 * kStandardGravity_mps2) return;  // falls, or is not heard
   const Vec3 before = vec(velocity_mps_);
   vec(velocity_mps_) += force_mps2 * period_s;
   const Vec3 middle = 0.5 * (before + vec(velocity_mps_));
@@ -55,6 +52,7 @@ void MovingStart::observe(const Vec3& force_mps2, double period_s) noexcept {
   time_s_ += period_s;
   const double scatter2 = (force2_ / time_s_ - this->force_mps2().squaredNorm()) / 3.0;
   moving_ |= scatter2 > kStrong_mps2 * kStrong_mps2;
+  over_ = time_s_ > (moving_ ? kFor_s : kLook_s);
 }
 
 }  // namespace stillpoint::fusion

@@ -13,6 +13,10 @@ class MovingStart {
   /// Mean force [m/s^2] of one period, in axes that do not turn with the body. To be called from the first period on.
   void observe(const Vec3& force_mps2, double period_s) noexcept;
   void end() noexcept { over_ = true; }
+  /// A pause: the frame is lost, and a start that was not over begins anew.
+  void interrupt() noexcept {
+    if (!over_) *this = {};
+  }
   void turn_world(const Mat3& R) noexcept;
 
   /// From when the force is seen to move until its mean can be trusted.
@@ -26,8 +30,7 @@ class MovingStart {
 
  private:
   bool moving_ = false, over_ = false;
-  double age_s_ = 0.0;
-  double time_s_ = 0.0;     ///< with a force
+  double time_s_ = 0.0;
   double force2_ = 0.0;     ///< integral of the squared force
   Array3 velocity_mps_{};   ///< integral of the force: a straight line, and what the body does beside it
   Array3 path_m_{};         ///< integral of that

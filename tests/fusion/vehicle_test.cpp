@@ -12,7 +12,7 @@ constexpr MotionScale::Usual kHand{1.0, 0.5};
 
 /// East by `mps2`, seen upright.
 MotionScale::Seen accelerating(double mps2) {
-  return {{5.0, 0.0}, {0.04, 0.04}, {mps2, 0.0, kStandardGravity_mps2}, 1e-4};
+  return {{5.0, 0.0}, {0.04, 0.04}, {mps2, 0.0, kStandardGravity_mps2}, 1e-4, 0.0};
 }
 
 TEST(MotionScale, WhatIsCalledALongAccelerationMayBeALean) {
