@@ -40,8 +40,10 @@ void AttitudeFilter::measure_motion(double time_s) noexcept {
   if (leaning_rad2 > 0.0 && s_.gyr_heard &&
       s_.since_pause_s > kPauseTells_s) {  // (A20) an offset may have turned it; one about the vertical leans nothing
     const Vec3 up = mat(s_.R_world_body).row(2);
-    s_.error.P().block<3, 3>(kGyrBias, kGyrBias) +=
-        leaning_rad2 / (kLeanTime_s * kLeanTime_s) * (Mat3::Identity() - up * up.transpose());
+    // Nobody knows an offset less than at the start.
+    const double known = 1.0 - seen.gyr_bias_rad2ps2 / (params_.gyr_bias_sd_radps * params_.gyr_bias_sd_radps);
+    const double add = leaning_rad2 / (kLeanTime_s * kLeanTime_s) * std::max(0.0, known);
+    s_.error.P().block<3, 3>(kGyrBias, kGyrBias) += add * (Mat3::Identity() - up * up.transpose());
   }
   // (A8) A quantity that wanders about zero with deviation s and correlation time t has the power density 2 s^2 t.
   const double per_time = 2.0 * params_.motion_time_s / time_s;
@@ -87,7 +89,8 @@ void AttitudeFilter::judge_jumps(double time_s) noexcept {
     s_.jumps.restart(s_.error);
     return;
   }
-  const OffsetJumps::Verdict verdict = s_.jumps.observe(s_.error, mat(s_.R_world_body).row(2), time_s);
+  const OffsetJumps::Verdict verdict =
+      s_.jumps.observe(s_.error, mat(s_.R_world_body).row(2), s_.motion_scale.carried(), time_s);
   if (verdict == OffsetJumps::Verdict::kGyroscope) s_.since_gyr_jump_s = 0.0;
   if (verdict == OffsetJumps::Verdict::kAccelerometer) s_.since_acc_jump_s = 0.0;
 }
@@ -291,7 +294,8 @@ void AttitudeFilter::measure_heading(const HeadingReading& reading, double time_
 
 /// (A31) A body's iron goes round with the body: what it does to the heading looks like a scale of the gyroscope or an
 /// offset of the accelerometer, which are learnt by the share that the iron has no part in. Where the field does not
-/// even turn with the gyroscope it steers the heading alone. `expected_rad2` is the innovation's variance.
+/// even turn with the gyroscope it steers the heading alone. Where a vehicle accelerates gravity does not set the tilt
+/// right again, which is then taught by that share too. `expected_rad2` is the innovation's variance.
 ErrorVector AttitudeFilter::taught_by_heading(const HeadingReading& reading, double expected_rad2) const noexcept {
   ErrorVector taught = ErrorVector::Zero();
   taught(kTheta + 2) = taught(kDisturbance) = 1.0;
@@ -300,6 +304,7 @@ ErrorVector AttitudeFilter::taught_by_heading(const HeadingReading& reading, dou
   taught.setOnes();
   taught.segment<3>(kAccBias).setConstant(expected_rad2 / (expected_rad2 + of_iron_rad2));
   taught.segment<9>(kGyrMatrix).setConstant(taught(kAccBias));
+  if (s_.motion_scale.carried()) taught.segment<2>(kTheta).setConstant(taught(kAccBias));
   return taught;
 }
 

@@ -21,7 +21,10 @@ constexpr double kLastingLean = 0.3;       ///< of what is called a long acceler
 constexpr double kUsual = 8.0;             ///< of a chi-square of two: no surprise
 constexpr double kVehicleOdds = -3.5;      ///< log; one body in thirty is carried by a vehicle
 constexpr double kLeastTilt_rad2 = 1e-4;   ///< half a degree: no filter is surer of its tilt in motion
-constexpr double kSwing_s = 1.0;           ///< slower than a stride or a stroke of the arm
+constexpr double kExcused_s = 0.5;  ///< an offset leans the tilt once; who is surprised again and again is carried
+constexpr double kExcusedMemory_s = 60.0;
+constexpr double kCarried = 4.0;  ///< of s^2: twice as fast as a hand
+constexpr double kSwing_s = 1.0;  ///< slower than a stride or a stroke of the arm
 constexpr double kSwingMemory_s = 5.0;
 constexpr double kBounceTime_s = 0.5;  ///< a runner's level speed, per axis, over the deviation of the force upwards
 constexpr double kRunning2 = 16.0;     ///< m^2/s^2, per axis: 4 m/s
@@ -37,6 +40,8 @@ void follow(double& mean, double x, double period_s, double memory_s) {
 
 double MotionScale::time() const noexcept { return std::sqrt(scale_); }
 
+bool MotionScale::carried() const noexcept { return scale_ > kCarried || excused_s_ > kExcused_s; }
+
 void MotionScale::turn_back() noexcept {
   for (auto* mean : {&slow_velocity_mps_, &mean_velocity_mps_})
     for (double& v : *mean) v = -v;
@@ -46,6 +51,7 @@ void MotionScale::rest() noexcept {
   const double odds = log_odds_;
   *this = {};
   log_odds_ = odds;
+  rested_ = true;
 }
 
 double MotionScale::vehicle(double lean2, double tilt_rad2) const noexcept {
@@ -116,11 +122,13 @@ double MotionScale::observe(const Seen& seen, const Usual& usual, double period_
   }
   scale_ = 1.0 + (scale_ - 1.0) * std::exp(-period_s / kMemory_s);
   double tilt_rad2 = 0.0;
+  excused_s_ *= std::exp(-period_s / kExcusedMemory_s);
   if (surprise > kSurprise) {
     const double level2 = mean_force_mps2_[0] * mean_force_mps2_[0] + mean_force_mps2_[1] * mean_force_mps2_[1];
     const double lean2 = level2 / (kStandardGravity_mps2 * kStandardGravity_mps2);
     const double of_vehicle = vehicle(lean2, seen.tilt_rad2);
-    if (of_vehicle > 0.5) scale_ = std::min(kLargest, scale_ * surprise / kLeftOver);
+    if (!rested_) excused_s_ += (1.0 - of_vehicle) * period_s;
+    if (of_vehicle > 0.5 || excused_s_ > kExcused_s) scale_ = std::min(kLargest, scale_ * surprise / kLeftOver);
     // The same horizontal force as a lean, by the share that the hand has of the odds.
     tilt_rad2 = (1.0 - of_vehicle) * blend * lean2;
   }

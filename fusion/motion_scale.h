@@ -37,6 +37,9 @@ class MotionScale {
   /// horizontal and is called an acceleration, where the attitude leans. `tilt_rad2` is what else is known of the tilt.
   [[nodiscard]] Mat3 leaning_rad2(double tilt_rad2) const noexcept;
 
+  /// By a vehicle, as far as anybody can tell.
+  [[nodiscard]] bool carried() const noexcept;
+
   [[nodiscard]] double speed2() const noexcept { return scale_ * swing_; }            ///< factor of s^2
   [[nodiscard]] double time() const noexcept;                                         ///< factor of t
   [[nodiscard]] double radius2() const noexcept { return scale_ * scale_ * swing_; }  ///< factor of r^2
@@ -58,7 +61,9 @@ class MotionScale {
   std::array<double, 3> mean_force_mps2_{};
   std::array<double, 2> lasting_force_mps2_{};  ///< over what no hand keeps up
   double force_s_ = 0.0;
-  double log_odds_ = 0.0;  ///< vehicle over leaning tilt
+  double log_odds_ = 0.0;   ///< vehicle over leaning tilt
+  double excused_s_ = 0.0;  ///< for so long a lean had to excuse the surprise
+  bool rested_ = false;     ///< so the gyroscope's offset is known, and excuses nothing
 };
 
 }  // namespace stillpoint::fusion

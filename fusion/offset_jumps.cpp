@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace stillpoint::fusion {
 namespace {
@@ -58,27 +59,30 @@ void OffsetJumps::end_windows(ErrorState& error, double period_s) noexcept {
   }
 }
 
-OffsetJumps::Verdict OffsetJumps::observe(ErrorState& error, const Vec3& up_body, double period_s) noexcept {
+OffsetJumps::Verdict OffsetJumps::observe(ErrorState& error, const Vec3& up_body, bool carried,
+                                          double period_s) noexcept {
   end_windows(error, period_s);
   const bool first = mean_up_ == Array3{};
   vec(mean_up_) += (first ? 1.0 : std::min(1.0, period_s / kWindow_s)) * (up_body - vec(mean_up_));
   doubt_rad2_ = {};
   // Innovations are no white noise: a hand's next swing follows from its last. What they usually make of it counts.
   const double usual = std::max(kLeastUsual, usual_);
+  const double still = std::max(0.0, 1.0 - (1.0 - vec(mean_up_).squaredNorm()) / kSpread);
+  const auto believable = [&](const Candidate& c) {
+    return c.surprise > kPriorSurprise + kUnlikelyAlike * (of_gyroscope(c.jump) && carried ? 1.0 : still);
+  };
   Candidate likeliest;
   for (int jump = 0; jump < kJumps; ++jump) {
     if (age_s_[static_cast<std::size_t>(jump / 2)] < kFirst_s) continue;
     const Candidate c = judge(error, jump, of_gyroscope(jump) ? usual : kForceIsNoOffset * usual);
-    if (c.surprise > likeliest.surprise) likeliest = c;
+    if (std::pair(believable(c), c.surprise) > std::pair(believable(likeliest), likeliest.surprise)) likeliest = c;
   }
   if (!(likeliest.surprise > 0.0) || !likeliest.size.allFinite() || !likeliest.covariance.allFinite())
     return Verdict::kNone;
-  const double spread = 1.0 - vec(mean_up_).squaredNorm();
-  const double against = kPriorSurprise + kUnlikelyAlike * std::max(0.0, 1.0 - spread / kSpread);
-  const bool likely = likeliest.surprise > against;
+  const bool gyroscope = of_gyroscope(likeliest.jump);
+  const bool likely = believable(likeliest);
   double probability = 1.0 / (1.0 + std::exp(0.5 * (kPriorSurprise - likeliest.surprise)));
   if (!likely) probability = std::min(0.5, probability);
-  const bool gyroscope = of_gyroscope(likeliest.jump);
   if (likely && likeliest.size.norm() > (gyroscope ? kLeast_radps : kLeast_mps2)) {
     error.believe_jump(likeliest.jump, likeliest.size, likeliest.covariance);
     restart(error);

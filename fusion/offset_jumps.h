@@ -14,8 +14,9 @@ class OffsetJumps {
   enum class Verdict : std::uint8_t { kNone, kGyroscope, kAccelerometer };
 
   /// After the measurements of a period, with the world's vertical in body axes. A jump that is likelier than none is
-  /// put into `error`; of a body that does not turn it looks like an acceleration and is only stated.
-  [[nodiscard]] Verdict observe(ErrorState& error, const Vec3& up_body, double period_s) noexcept;
+  /// put into `error`; of a body that does not turn, and a gyroscope's of one that a vehicle carries, it looks like an
+  /// acceleration and is only stated.
+  [[nodiscard]] Verdict observe(ErrorState& error, const Vec3& up_body, bool carried, double period_s) noexcept;
 
   /// What was said so far is void: the error state itself has been given up, or time runs the other way.
   void restart(ErrorState& error) noexcept;

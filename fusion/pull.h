@@ -1,4 +1,4 @@
-/// How far the measurements have pulled the attitude away from where the gyroscope carried it. (A28) of
+/// How far the measurements have pulled the attitude away from where the gyroscope carried it. (A28) and (A33) of
 /// docs/math/attitude.md.
 #pragma once
 #include <algorithm>
@@ -18,6 +18,7 @@ class Pull {
   void add(const Vec3& turned_rad, const Vec3& expected_rad2) noexcept {
     vec(turned_rad_) += turned_rad;
     vec(expected_rad2_) += expected_rad2;
+    vec(lately_rad_) += turned_rad;
   }
   /// Variance that a surprise has added: what it lets in is not explained by it.
   void doubt(int axis, double variance_rad2) noexcept {
@@ -29,15 +30,32 @@ class Pull {
     vec(turned_rad_) *= keep;
     vec(expected_rad2_) *= keep * keep;
   }
+  /// (A33) The gyroscope's offset that is in use [rad/s]: what has lately been learnt of it turns the attitude too.
+  void carry(const Vec3& offset_radps, const Mat3& R_world_body, double time_s) noexcept {
+    if (!has_offset_) vec(offset_radps_) = offset_radps;
+    has_offset_ = true;
+    const Vec3 learnt = offset_radps - vec(offset_radps_);
+    vec(lately_rad_) -= time_s * (R_world_body * learnt);
+    vec(lately_rad_) *= std::exp(-time_s / kLately_s);
+    vec(offset_radps_) += std::min(1.0, time_s / kLately_s) * learnt;
+  }
   /// The world's axes are turned.
-  void turn_world(const Mat3& by) noexcept { vec(turned_rad_) = by * Vec3(vec(turned_rad_)); }
+  void turn_world(const Mat3& by) noexcept {
+    vec(turned_rad_) = by * Vec3(vec(turned_rad_));
+    vec(lately_rad_) = by * Vec3(vec(lately_rad_));
+  }
   /// Gravity at rest has shown the tilt itself.
-  void forget_tilt() noexcept { turned_rad_[0] = turned_rad_[1] = expected_rad2_[0] = expected_rad2_[1] = 0.0; }
+  void forget_tilt() noexcept {
+    turned_rad_[0] = turned_rad_[1] = expected_rad2_[0] = expected_rad2_[1] = 0.0;
+    lately_rad_ = {};
+    has_offset_ = false;
+  }
   /// Another heading has been taken.
   void forget_heading() noexcept { turned_rad_[2] = expected_rad2_[2] = 0.0; }
 
-  /// What is not explained [rad^2, world axes]: the square of the pull, shrunk as (A16) does; no angle is off by more
-  /// than any.
+  /// What is not explained [rad^2, world axes]: the square of the pull, shrunk as (A16) does, and a share of what the
+  /// tilt has lately been pulled by, expected or not: a vehicle that accelerates looks like an offset that is being
+  /// learnt. No angle is off by more than any.
   [[nodiscard]] Mat3 unexplained_rad2() const noexcept {
     const auto& d = turned_rad_;
     const auto& e = expected_rad2_;
@@ -48,11 +66,16 @@ class Pull {
     doubt.topLeftCorner<2, 2>() = tilt * std::min(1.0, kAny_rad2 / vec(d).head<2>().squaredNorm()) * vec(d).head<2>() *
                                   vec(d).head<2>().transpose();
     doubt(2, 2) = heading * std::min(kAny_rad2, d[2] * d[2]);
+    const Eigen::Vector2d lately = vec(lately_rad_).head<2>();
+    doubt.topLeftCorner<2, 2>() +=
+        kCarried * std::min(1.0, kAny_rad2 / std::max(lately.squaredNorm(), kLeast_rad2)) * lately * lately.transpose();
     return doubt;
   }
 
  private:
   static constexpr double kMemory_s = 120.0;  ///< so long a lift or a train keeps a body
+  static constexpr double kLately_s = 20.0;   ///< so long a train accelerates
+  static constexpr double kCarried = 0.15;    ///< so many of the bodies that nobody has seen at rest are in a vehicle
   static constexpr double kUsual = 4.0;       ///< times its mean: two deviations are no surprise
   static constexpr double kLeast_rad2 = 1e-6;
   static constexpr double kAny_rad2 = std::numbers::pi * std::numbers::pi / 3.0;  ///< any angle
@@ -60,6 +83,8 @@ class Pull {
     return chi2 > 0.0 ? std::max(0.0, 1.0 - kUsual * degrees / chi2) : 0.0;
   }
   Array3 turned_rad_{}, expected_rad2_{};
+  Array3 lately_rad_{}, offset_radps_{};
+  bool has_offset_ = false;
 };
 
 static_assert(std::is_trivially_copyable_v<Pull>);

@@ -111,12 +111,12 @@ TEST(OffsetJumps, NoneIsToldWhereNoneHasBeen) {
 }
 
 /// What an offset of 0.02 rad/s about x does within seven seconds, told by a body whose vertical keeps to `up` on
-/// average.
+/// average, and that a vehicle carries or not.
 struct Told {
   OffsetJumps::Verdict verdict = OffsetJumps::Verdict::kNone;
   double most_rad2 = 0.0, last_rad2 = 0.0;
 };
-Told tell_of_a_jump(const Vec3& up) {
+Told tell_of_a_jump(const Vec3& up, bool carried = false) {
   Told told;
   ErrorState error;
   error.start(ErrorVector::Constant(1e-3));
@@ -132,7 +132,7 @@ Told tell_of_a_jump(const Vec3& up) {
     lean_rad += 0.02 * sums.time_s;  // gravity leans towards -y
     speed_mps += kStandardGravity_mps2 * lean_rad * sums.time_s;
     error.update(kVelocity + 1, -speed_mps, 2.0);
-    told.verdict = jumps.observe(error, up, sums.time_s);
+    told.verdict = jumps.observe(error, up, carried, sums.time_s);
     told.last_rad2 = mat(jumps.doubt_rad2())(0, 0);
     told.most_rad2 = std::max(told.most_rad2, told.last_rad2);
   }
@@ -149,9 +149,10 @@ TEST(OffsetJumps, BeforeItIsBelievedItIsStated) {
 
 /// A vehicle that begins to accelerate looks like that to a body that does not turn.
 TEST(OffsetJumps, OfABodyThatDoesNotTurnItIsStatedAndNotBelieved) {
-  const Told told = tell_of_a_jump(Vec3::UnitZ());
-  EXPECT_EQ(told.verdict, OffsetJumps::Verdict::kNone);
-  EXPECT_GT(std::sqrt(told.last_rad2), 0.01);
+  for (const Told& told : {tell_of_a_jump(Vec3::UnitZ()), tell_of_a_jump(Vec3::Zero(), true)}) {
+    EXPECT_EQ(told.verdict, OffsetJumps::Verdict::kNone);
+    EXPECT_GT(std::sqrt(told.last_rad2), 0.01);
+  }
 }
 
 }  // namespace

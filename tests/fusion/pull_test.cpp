@@ -1,7 +1,10 @@
 /// Where two witnesses disagree and nobody knows which is wrong, the attitude may be off by what one of them says.
+#include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "core/units.h"
+#include "fusion/pull.h"
 #include "tests/fusion/attitude_testing.h"
 
 namespace stillpoint::fusion {
@@ -29,6 +32,35 @@ TEST(Pull, ATurntableThatIsCalledRestLeavesNoSureHeading) {
     coverage.note(std::abs(error) < 3.0 * e.sigma_yaw_rad);
   }
   EXPECT_GT(coverage.share(), 0.98);
+}
+
+/// (A33) What has lately been learnt of the tilt is stated in part, however much of it was expected.
+TEST(Pull, WhatHasLatelyBeenLearntMayHaveBeenAVehicle) {
+  constexpr double kShare = 0.15, kMemory_s = 20.0, kStep_s = 0.05;
+  const Mat3 R = Eigen::AngleAxisd(0.5 * std::numbers::pi, Vec3::UnitZ()).toRotationMatrix();  // the body's x is east
+  Pull pull;
+  pull.add(Vec3(0.2, 0.0, 0.3), Vec3::Ones());
+  EXPECT_NEAR(pull.unexplained_rad2()(0, 0), kShare * 0.04, 1e-12);
+  EXPECT_EQ(pull.unexplained_rad2()(2, 2), 0.0);
+  pull.carry(Vec3(0.01, 0.0, 0.0), R, kStep_s);  // the offset of the start turns nothing
+  EXPECT_NEAR(pull.unexplained_rad2()(0, 0), kShare * 0.04 * std::exp(-2.0 * kStep_s / kMemory_s), 1e-12);
+  EXPECT_EQ(pull.unexplained_rad2()(1, 1), 0.0);
+  pull.turn_world(R);
+  EXPECT_NEAR(pull.unexplained_rad2()(0, 0), 0.0, 1e-12);
+
+  pull.forget_tilt();
+  EXPECT_EQ(pull.unexplained_rad2().norm(), 0.0);
+  pull.carry(Vec3::Zero(), R, kStep_s);
+  pull.carry(Vec3(0.02, 0.0, 0.0), R, kStep_s);
+  EXPECT_NEAR(std::sqrt(pull.unexplained_rad2()(1, 1) / kShare), 0.02 * kStep_s, 1e-5);
+  double most = 0.0, last = 0.0;
+  for (int i = 0; i < 6000; ++i) {
+    pull.carry(Vec3(0.02, 0.0, 0.0), R, kStep_s);
+    last = std::sqrt(pull.unexplained_rad2()(1, 1) / kShare);
+    most = std::max(most, last);
+  }
+  EXPECT_NEAR(most, 0.02 * kMemory_s * std::exp(-1.0), 0.002);  // t exp(-t / T) of a step that is its own mean at last
+  EXPECT_LT(last, 1e-3);
 }
 
 }  // namespace
