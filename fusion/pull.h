@@ -67,8 +67,9 @@ class Pull {
                                   vec(d).head<2>().transpose();
     doubt(2, 2) = heading * std::min(kAny_rad2, d[2] * d[2]);
     const Eigen::Vector2d lately = vec(lately_rad_).head<2>();
-    doubt.topLeftCorner<2, 2>() +=
-        kCarried * std::min(1.0, kAny_rad2 / std::max(lately.squaredNorm(), kLeast_rad2)) * lately * lately.transpose();
+    const double lately_rad2 = std::max(lately.squaredNorm(), kOfAHand_rad2);
+    doubt.topLeftCorner<2, 2>() += kCarried * (1.0 - kOfAHand_rad2 / lately_rad2) *
+                                   std::min(1.0, kAny_rad2 / lately_rad2) * lately * lately.transpose();
     return doubt;
   }
 
@@ -76,7 +77,8 @@ class Pull {
   static constexpr double kMemory_s = 120.0;  ///< so long a lift or a train keeps a body
   static constexpr double kLately_s = 20.0;   ///< so long a train accelerates
   static constexpr double kCarried = 0.15;    ///< so many of the bodies that nobody has seen at rest are in a vehicle
-  static constexpr double kUsual = 4.0;       ///< times its mean: two deviations are no surprise
+  static constexpr double kOfAHand_rad2 = 9e-4;  ///< what any motion pulls by: 1.7 degrees
+  static constexpr double kUsual = 4.0;          ///< times its mean: two deviations are no surprise
   static constexpr double kLeast_rad2 = 1e-6;
   static constexpr double kAny_rad2 = std::numbers::pi * std::numbers::pi / 3.0;  ///< any angle
   static double share(double degrees, double chi2) noexcept {
