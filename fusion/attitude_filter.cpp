@@ -217,8 +217,7 @@ void AttitudeFilter::covariance_step() noexcept {
   noise.disturbance_rad = params_.heading_disturbance_rad;
   noise.disturbance_time_s = params_.heading_disturbance_time_s;
   s_.error.propagate(s_.sums.motion, noise);
-  s_.error.pull().pass(time_s);
-  s_.error.pull().carry(vec(s_.x.gyr_bias_radps), mat(s_.R_world_body), time_s);
+  s_.error.pull().pass(vec(s_.x.gyr_bias_radps), mat(s_.R_world_body), time_s);
   s_.x.disturbance_rad *= std::exp(-time_s / params_.heading_disturbance_time_s);
   hear_witnesses(time_s);
   measure_motion(time_s);

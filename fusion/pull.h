@@ -24,14 +24,12 @@ class Pull {
   void doubt(int axis, double variance_rad2) noexcept {
     expected_rad2_[static_cast<std::size_t>(axis)] -= variance_rad2;
   }
-  /// What was long ago has been made good by what came since.
-  void pass(double time_s) noexcept {
+  /// What was long ago has been made good by what came since. `offset_radps` is the gyroscope's that is in use: what
+  /// has lately been learnt of it has turned the attitude too (A33).
+  void pass(const Vec3& offset_radps, const Mat3& R_world_body, double time_s) noexcept {
     const double keep = std::exp(-time_s / kMemory_s);
     vec(turned_rad_) *= keep;
     vec(expected_rad2_) *= keep * keep;
-  }
-  /// (A33) The gyroscope's offset that is in use [rad/s]: what has lately been learnt of it turns the attitude too.
-  void carry(const Vec3& offset_radps, const Mat3& R_world_body, double time_s) noexcept {
     if (!has_offset_) vec(offset_radps_) = offset_radps;
     has_offset_ = true;
     const Vec3 learnt = offset_radps - vec(offset_radps_);
@@ -60,29 +58,27 @@ class Pull {
     const auto& d = turned_rad_;
     const auto& e = expected_rad2_;
     const auto surprise = [&d, &e](std::size_t i) { return d[i] * d[i] / std::max(e[i], kLeast_rad2); };
-    const double tilt = share(2.0, surprise(0) + surprise(1));
     const double heading = share(1.0, surprise(2));
-    Mat3 doubt = Mat3::Zero();
-    doubt.topLeftCorner<2, 2>() = tilt * std::min(1.0, kAny_rad2 / vec(d).head<2>().squaredNorm()) * vec(d).head<2>() *
-                                  vec(d).head<2>().transpose();
+    const Vec3 lately(lately_rad_[0], lately_rad_[1], 0.0);
+    const double of_vehicle = kInVehicle * (1.0 - kOfAHand_rad2 / std::max(lately.squaredNorm(), kOfAHand_rad2));
+    Mat3 doubt = square(share(2.0, surprise(0) + surprise(1)), Vec3(d[0], d[1], 0.0)) + square(of_vehicle, lately);
     doubt(2, 2) = heading * std::min(kAny_rad2, d[2] * d[2]);
-    const Eigen::Vector2d lately = vec(lately_rad_).head<2>();
-    const double lately_rad2 = std::max(lately.squaredNorm(), kOfAHand_rad2);
-    doubt.topLeftCorner<2, 2>() += kCarried * (1.0 - kOfAHand_rad2 / lately_rad2) *
-                                   std::min(1.0, kAny_rad2 / lately_rad2) * lately * lately.transpose();
     return doubt;
   }
 
  private:
   static constexpr double kMemory_s = 120.0;  ///< so long a lift or a train keeps a body
   static constexpr double kLately_s = 20.0;   ///< so long a train accelerates
-  static constexpr double kCarried = 0.15;    ///< so many of the bodies that nobody has seen at rest are in a vehicle
+  static constexpr double kInVehicle = 0.15;  ///< so many of the bodies that nobody has seen at rest are in a vehicle
   static constexpr double kOfAHand_rad2 = 9e-4;  ///< what any motion pulls by: 1.7 degrees
   static constexpr double kUsual = 4.0;          ///< times its mean: two deviations are no surprise
   static constexpr double kLeast_rad2 = 1e-6;
   static constexpr double kAny_rad2 = std::numbers::pi * std::numbers::pi / 3.0;  ///< any angle
   static double share(double degrees, double chi2) noexcept {
     return chi2 > 0.0 ? std::max(0.0, 1.0 - kUsual * degrees / chi2) : 0.0;
+  }
+  static Mat3 square(double share, const Vec3& turned_rad) noexcept {
+    return share * std::min(1.0, kAny_rad2 / turned_rad.squaredNorm()) * turned_rad * turned_rad.transpose();
   }
   Array3 turned_rad_{}, expected_rad2_{};
   Array3 lately_rad_{}, offset_radps_{};

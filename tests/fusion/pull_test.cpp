@@ -45,7 +45,7 @@ TEST(Pull, WhatHasLatelyBeenLearntMayHaveBeenAVehicle) {
   pull.add(Vec3(0.171, 0.0, 0.0), Vec3::Ones());
   EXPECT_NEAR(pull.unexplained_rad2()(0, 0), stated(0.2), 1e-12);
   EXPECT_EQ(pull.unexplained_rad2()(2, 2), 0.0);
-  pull.carry(Vec3(0.01, 0.0, 0.0), R, kStep_s);  // the offset of the start turns nothing
+  pull.pass(Vec3(0.01, 0.0, 0.0), R, kStep_s);  // the offset of the start turns nothing
   EXPECT_NEAR(pull.unexplained_rad2()(0, 0), stated(0.2 * std::exp(-kStep_s / kMemory_s)), 1e-12);
   EXPECT_LT(pull.unexplained_rad2()(1, 1), 1e-20);
   pull.turn_world(R);
@@ -54,10 +54,10 @@ TEST(Pull, WhatHasLatelyBeenLearntMayHaveBeenAVehicle) {
 
   pull.forget_tilt();
   EXPECT_EQ(pull.unexplained_rad2().norm(), 0.0);
-  pull.carry(Vec3::Zero(), R, kStep_s);
+  pull.pass(Vec3::Zero(), R, kStep_s);
   double most = 0.0;
   for (int i = 0; i < 6000; ++i) {
-    pull.carry(Vec3(0.02, 0.0, 0.0), R, kStep_s);
+    pull.pass(Vec3(0.02, 0.0, 0.0), R, kStep_s);
     EXPECT_LT(pull.unexplained_rad2()(0, 0), 1e-20);
     most = std::max(most, pull.unexplained_rad2()(1, 1));
   }
