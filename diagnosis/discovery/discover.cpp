@@ -111,7 +111,8 @@ bool may_be_stated(const Signals& s, const SensorSearch& search, const Found& la
   if (!is_separable(s, search.sensor, law.columns) || !varies(search, law)) return false;
   if (const Fit beside = fit_beside(search, law); !is_determined(beside, law) || moves_the_others(search, beside))
     return false;
-  if (as_small_as_wandering(s, search, law) && !stands_beside_wandering(s, search, law)) return false;
+  const bool may_be_the_camera = search.sensor == kMag || as_small_as_wandering(s, search, law);
+  if (may_be_the_camera && !stands_beside_wandering(s, search, law)) return false;
   SensorSearch with = search;
   with.found.push_back(law);
   const HeldOut held_out = held_out_by_regime(with, {with.found.size() - 1});
@@ -130,6 +131,21 @@ double sure_gain(const SensorSearch& search, const Found& law) {
   return std::min(law.gain_nats, robust_nats(search, law));
 }
 
+/// Of its factors the first ones alone, where they explain as much: one that hardly varies here, such as gravity at
+/// rest, is nothing that was seen to matter.
+const Term* without_idle_factors(const Signals& s, const SensorSearch& search, const std::vector<Term>& terms,
+                                 const Term* chosen) {
+  const Term& whole = *chosen;
+  for (const Term& t : terms) {
+    const bool part =
+        whole.found.id.starts_with(t.found.id + " * ") && t.found.columns.size() <= whole.found.columns.size();
+    const bool shorter = chosen == &whole || t.bits < chosen->bits;
+    if (part && shorter && t.found.net_nats > whole.found.net_nats - kAlikeLeast && may_be_stated(s, search, t.found))
+      chosen = &t;
+  }
+  return chosen;
+}
+
 /// The best that gains enough and may be stated; of those that the recording hardly tells from it the one with the
 /// fewest numbers, which is the surer one on another motion. nullptr: none.
 const Term* choose(const Signals& s, const SensorSearch& search, const std::vector<Term>& terms, double least_gain) {
@@ -144,7 +160,7 @@ const Term* choose(const Signals& s, const SensorSearch& search, const std::vect
     if (!chosen) least = t.found.net_nats - std::clamp(kAlikeShare * t.found.gain_nats, kAlikeLeast, kAlikeMost);
     chosen = &t;
   }
-  return chosen;
+  return chosen ? without_idle_factors(s, search, terms, chosen) : nullptr;
 }
 
 /// Terms one after another, as long as each pays for itself; the first may have to begin at an event.
@@ -178,13 +194,18 @@ double least_gain(const SensorSearch& search, bool open, bool drifts) {
   return std::max(drifts ? kSpeaksOverDrift : kSpeaks, kRemainder * search.first_gain);
 }
 
-/// Of the lines that were found, and of one that stands in the world.
+/// Of the lines that were found, of one that is there but no line of one size - it swells with its driver -, and of one
+/// that stands in the world.
 std::vector<double> frequencies(const Signals& s, const SensorSearch& sensor) {
   std::vector<double> out;
-  for (const Found& f : sensor.found)
+  const auto add = [&out](const Found& f) {
     if (f.shape_unit == "Hz" && f.offset.size() == 0) out.push_back(f.shape);
+  };
+  for (const Found& f : sensor.found) add(f);
+  const SensorSearch named = without_some(sensor, is_open);
+  if (const auto line = out.empty() ? line_in(s, named) : std::nullopt; line && line->kind == Kind::kNamed) add(*line);
   if (sensor.sensor != kMag) return out;
-  if (const auto f_hz = line_in_world(s, without_some(sensor, is_open))) out.push_back(*f_hz);
+  if (const auto f_hz = line_in_world(s, named)) out.push_back(*f_hz);
   return out;
 }
 
@@ -195,7 +216,10 @@ void discover_in(const Signals& s, SensorSearch& sensor) {
   LawSearch laws(s, sensor.sensor, lines_hz, sensor.moments_s);
   if (!open && !drifts && lines_hz.empty() && laws.most(sensor) < kWorthLooking * kSpeaks) return;
   std::optional<Discovered> best;
-  double most = worth(sensor, 0.0) + kBetter - kShareOfATable * gain_of_no_law(sensor);
+  // What begins and ends for no reason, on data that cannot tell it from a formula, is the formula.
+  const bool in_pieces = any([](const Found& f) { return is_open(f) && f.window.local; });
+  const double margin_of_its_own = in_pieces ? -kAlikeLeast : kBetter;
+  double most = worth(sensor, 0.0) + margin_of_its_own - kShareOfATable * gain_of_no_law(sensor);
   const auto consider = [&](const SensorSearch& base, double least, double margin) {
     for (const bool event : {false, true}) {
       if (event && sensor.moments_s.empty()) continue;

@@ -173,7 +173,8 @@ class LawSearch::Round {
 
   std::vector<Term> of_all() {
     first_level();
-    for (std::size_t step = 0; step < kMostSteps && further();) ++step;
+    settle_numbers();  // a further factor would make up for a number that is off
+    for (std::size_t step = 0; step < kMostSteps && further(); ++step) settle_numbers();
     while (settle_numbers()) continue;
     const std::size_t formulas = ideas_.size();
     for (Idea& idea : table_ideas(p_.slow.drivers)) ideas_.push_back(std::move(idea));

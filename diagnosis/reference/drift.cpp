@@ -5,6 +5,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "diagnosis/reference/wandering_reference.h"
+
 namespace stillpoint::diag {
 namespace {
 
@@ -42,9 +44,11 @@ Finished finish_beside_drift(SensorSearch& search) {
   return finished;
 }
 
-bool reference_may_drift(const Signals& s, Sensor sensor, const Finished& finished) {
+bool reference_may_drift(const Signals& s, const SensorSearch& search, const Finished& finished) {
   constexpr double kMarkers_rad = 3e-3;  // over the recording; the rate of a walk is known to a factor of two
+  const Sensor sensor = search.sensor;
   if (s.exact_reference || sensor == kGyr) return false;
+  if (!walks_beside_wandering(s, search, kDriftNats)) return true;
   const double fastest = *std::max_element(finished.fit.walk_q.begin(), finished.fit.walk_q.end());
   return fastest * std::sqrt(s.duration_s()) < kMarkers_rad * s.vector[sensor].rowwise().norm().mean();
 }

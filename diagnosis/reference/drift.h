@@ -14,7 +14,7 @@ namespace stillpoint::diag {
 
 /// Markers settle and a camera's calibration wanders by milliradians: of that size gravity and the field drift in the
 /// body, not the sensors.
-[[nodiscard]] bool reference_may_drift(const Signals& s, Sensor sensor, const Finished& finished);
+[[nodiscard]] bool reference_may_drift(const Signals& s, const SensorSearch& search, const Finished& finished);
 
 /// A walk no faster than what the simulation has itself: its random walk, and its flicker, which passes for one within
 /// minutes (equal powers at the period of the recording).

@@ -21,6 +21,7 @@
 #include "diagnosis/reference/remainder.h"
 #include "diagnosis/reference/steadiness.h"
 #include "diagnosis/reference/unrecorded.h"
+#include "diagnosis/reference/wandering_reference.h"
 #include "diagnosis/reference/wider_law.h"
 #include "simulation/effect_catalogue.h"
 
@@ -53,6 +54,7 @@ void parameters_of(const SensorSearch& search, std::size_t index, const Finished
     out.parameters.push_back(number_of(finished, first + static_cast<Eigen::Index>(j), f.names[j], f.units[j]));
   if (f.shape_name.empty()) return;
   const double half = 1.96 * finished.shape_sd[static_cast<Eigen::Index>(index)];
+  if (half == 0.0 && is_unknown(f.id)) return;  // the formula has it; how well it is known was not looked for
   out.parameters.push_back({f.shape_name, f.shape, {f.shape - half, f.shape + half}, f.shape_unit});
 }
 
@@ -211,6 +213,25 @@ Stated stated_of(const Signals& s, const SensorSearch& search, const Finished& f
   return out;
 }
 
+/// Some product of drivers goes along with a camera's own errors for a while, and with its turns; of its fit it then
+/// predicts half.
+void drop_whiles_of_a_camera(const Signals& s, SensorSearch& search, std::vector<std::string>& notices) {
+  constexpr double kSurely = 0.5;
+  if (s.exact_reference) return;
+  for (std::size_t i = search.found.size(); i-- > 0;) {
+    const Found f = search.found[i];
+    if (f.kind != Kind::kUnknown || !f.window.local || f.id == kPlainOffset) continue;
+    const HeldOut h = held_out_by_regime(search, {i});
+    SensorSearch without = search;
+    take_out(without, i);
+    const bool unsure = h.share_ci95[1] > h.share_ci95[0] && h.share_ci95[0] < kSurely;
+    if (!unsure && stands_beside_wandering(s, without, f)) continue;
+    notices.push_back(
+        fmt::format("{} fits, but is not stated: a reference that wanders does as much for a while", f.id));
+    search = std::move(without);
+  }
+}
+
 bool has_no_model(const Finding& f) { return is_unknown(f) || f.effect.ends_with("_drift"); }
 
 }  // namespace
@@ -235,13 +256,14 @@ int locals(const SensorSearch& search) {
 void report_sensor(const Signals& s, const EngineResult& engine, Sensor sensor,
                    const std::vector<sim::EffectConfig>& given, Answer& answer) {
   SensorSearch search = *engine.sensor[sensor];
+  drop_whiles_of_a_camera(s, search, answer.diagnosis.notices);
   const Finished finished = finish_beside_drift(search);
   std::vector<Finding> findings;
   std::vector<sim::EffectConfig> effects;
   // A step that leaves drift behind, where a driver was not recorded, is more likely a piece of that driver's curve.
   // What follows the temperature beside a step of no known cause is no better: both are slow.
   const bool drifting =
-      drifts(search, finished) && !reference_may_drift(s, sensor, finished) && !walks_as_given(s, sensor, finished);
+      drifts(search, finished) && !reference_may_drift(s, search, finished) && !walks_as_given(s, sensor, finished);
   const bool slow = drifting || (holds(search, kPlainOffset) && holds(search, "_temp_"));
   const bool piece = slow && locals(search) > 0 && !missing_drivers(s, sensor).empty();
   const bool switched = locals(search) >= 2 || piece;

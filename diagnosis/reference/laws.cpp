@@ -76,6 +76,7 @@ class LawList {
       law.shapes = {3.0, 6.0, 10.0, 15.0, 22.0, 32.0, 50.0};
       law.shape_name = kTrackerShape;
       law.shape_unit = "s";
+      law.extent = Extent::kWhole;  // a stretch of it is whatever begins and decays
     };
     behind(prefix_ + "temp_lin", s.temperature_K, "k", std::string(kSensorUnit[sensor_]) + "/K");
     behind(prefix_ + "temp_quad", s.temperature_K.cwiseAbs2(), "k2", std::string(kSensorUnit[sensor_]) + "/K^2");

@@ -7,7 +7,7 @@ namespace stillpoint::diag {
 namespace {
 
 constexpr int kHarmonics = 8;          // of the recording's length: turns of more than 8 s a minute
-constexpr double kWanders_rad = 1e-3;  // cameras keep their calibration to half of that, markers on skin do not
+constexpr double kWanders_rad = 3e-3;  // cameras keep their calibration to half a milliradian, markers on skin do not
 
 /// phi(t) x v, phi a sum of cosines over the recording; its mean is a wrong matrix.
 Columns slow_turns(const Signals& s, Sensor sensor) {
@@ -33,6 +33,12 @@ bool stands_beside_wandering(const Signals& s, const SensorSearch& search, const
   const double gain =
       fit_profile(t, joined(without, law.columns)).log_likelihood - fit_profile(t, without).log_likelihood;
   return gain > charge(law.names.size(), law.window) + kLeastNetBeside;
+}
+
+bool walks_beside_wandering(const Signals& s, const SensorSearch& search, double least_nats) {
+  const Columns turns = joined(search.explained(), slow_turns(s, search.sensor));
+  return fit_profile(search.beside_walk(), turns).log_likelihood >
+         fit_profile(search.target, turns).log_likelihood + least_nats;
 }
 
 bool as_small_as_wandering(const Signals& s, const SensorSearch& search, const Found& law) {

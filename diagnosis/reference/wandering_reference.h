@@ -8,7 +8,10 @@ namespace stillpoint::diag {
 /// the true vector go along with some product of drivers or other.
 [[nodiscard]] bool stands_beside_wandering(const Signals& s, const SensorSearch& search, const Found& law);
 
-/// Whether a milliradian of such a turn would do as much to the sensor as the law does.
+/// Whether a random walk of the offset gains so many nats beside such turns.
+[[nodiscard]] bool walks_beside_wandering(const Signals& s, const SensorSearch& search, double least_nats);
+
+/// Whether a few milliradians of such a turn would do as much to the sensor as the law does.
 [[nodiscard]] bool as_small_as_wandering(const Signals& s, const SensorSearch& search, const Found& law);
 
 }  // namespace stillpoint::diag

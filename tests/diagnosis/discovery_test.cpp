@@ -108,6 +108,18 @@ TEST(Discovery, ALineThatFollowsTheCurrentIsALawOfIt) {
       0.2);
 }
 
+/// A rotor under the accelerometer: where its current is switched its line is of no one size, and no line of its own.
+TEST(Discovery, ALineThatASwitchedCurrentDrivesIsALawOfIt) {
+  const sim::SimulationConfig truth =
+      with_law("  - {effect: law, sensor: acc, law: \"I * sin(t / 0.0115)\", k: [0.036, 0.038, -0.04]}");
+  EXPECT_LT(left_on_another_motion(truth, Of::kAcc), 0.2);
+  sim::SimulationConfig plain = truth;
+  plain.effects.clear();
+  for (const Finding& f : diagnose(recording_of(truth, 3), plain).diagnosis.findings)
+    for (const Parameter& p : f.parameters)
+      EXPECT_GT(p.ci95[1], p.ci95[0]) << f.effect << ": " << p.name << " is stated as if it were known to all digits";
+}
+
 /// In the body its line is smeared by the motion.
 TEST(Discovery, AMagnetThatSpinsInTheWorldIsALawOfTheWorldsAxes) {
   EXPECT_LT(left_on_another_motion(with_law("  - {effect: law, sensor: mag, law: \"east * sin(t / 0.0206)\", k: 2.0}\n"
@@ -246,6 +258,16 @@ TEST(Discovery, AWindowInADriverIsFound) {
   EXPECT_LT(left_on_another_motion(
                 with_law("  - {effect: law, sensor: gyr, law: \"f_y * step(w_z, 0.4)\", k: [4e-4, 3e-4, -5e-4]}")),
             0.2);
+}
+
+/// Between two states of a current every level is the same one, wherever the shares of its values lie.
+TEST(Discovery, WhatACurrentSwitchesOnIsFoundBetweenItsStates) {
+  sim::SimulationConfig config =
+      with_law("  - {effect: law, sensor: mag, law: \"m * step(I, 0.9)\", k: [0.012, -0.01, 0.02]}");
+  const io::Recording recording = recording_of(config, 4);
+  config.effects.clear();
+  const Diagnosis d = diagnose(recording, config).diagnosis;
+  EXPECT_THAT(test::names(d), testing::ElementsAre(testing::StartsWith("unknown:m * step(I, "))) << d.summary;
 }
 
 /// A curve that no formula of the search has.

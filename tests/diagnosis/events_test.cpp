@@ -9,8 +9,8 @@
 namespace stillpoint::diag {
 namespace {
 
-Answer answer_of(sim::SimulationConfig truth) {
-  const io::Recording recording = io::to_recording(sim::simulate(truth, 3));
+Answer answer_of(sim::SimulationConfig truth, std::uint64_t seed = 3) {
+  const io::Recording recording = io::to_recording(sim::simulate(truth, seed));
   truth.effects.clear();
   return diagnose(recording, truth);
 }
@@ -24,6 +24,22 @@ TEST(Events, AnOffsetThatJumpsAndSettlesIsALawOfItsMoment) {
   const auto law = std::find_if(answer.effects.begin(), answer.effects.end(), sim::is_law);
   EXPECT_THAT(sim::expression_of(*law), testing::MatchesRegex("step\\(t, 26.0[678]\\) \\* exp\\(.*"))
       << answer.diagnosis.summary;
+}
+
+/// A temperature that moves with the body passes for anything in a window, most of all behind an estimator on board.
+TEST(Events, WhatJumpsAndSettlesBesideACameraIsNoTemperatureForAWhile) {
+  for (const std::uint64_t seed : {2, 6}) {
+    sim::SimulationConfig truth = test::parsed(
+        "rate_hz: 50\naccelerometer: {noise_mps2: 0.004}\ngyroscope: {noise_radps: 0.0002}\n"
+        "magnetometer: {noise_uT: 0.1}\nmotion: {kind: hand, duration_s: 60}\n"
+        "environment: {temperature: {kind: activity}}\n"
+        "reference: {kind: mocap, orientation_sd_rad: 0.0008, position_sd_m: 0.0002, band_hz: 4.3}\neffects:\n"
+        "  - {effect: law, sensor: gyr, law: \"step(t, 21.71) * exp(-(t - 21.71) / 2.45)\", k: [0.0076, -0.0043, "
+        "-0.0053]}");
+    EXPECT_THAT(test::names(answer_of(truth, seed)),
+                testing::ElementsAre(testing::MatchesRegex("unknown:step\\(t, 21\\.[567].*\\) \\* exp\\(.*")))
+        << seed;
+  }
 }
 
 /// Stress that relaxes after a part was bolted down: with its time constant, so that a simulation can have it.
