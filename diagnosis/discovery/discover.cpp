@@ -139,8 +139,8 @@ const Term* without_idle_factors(const Signals& s, const SensorSearch& search, c
   for (const Term& t : terms) {
     const bool part =
         whole.found.id.starts_with(t.found.id + " * ") && t.found.columns.size() <= whole.found.columns.size();
-    const bool shorter = chosen == &whole || t.bits < chosen->bits;
-    if (part && shorter && t.found.net_nats > whole.found.net_nats - kAlikeLeast && may_be_stated(s, search, t.found))
+    if (part && t.bits < chosen->bits && t.found.net_nats > whole.found.net_nats - kAlikeLeast &&
+        may_be_stated(s, search, t.found))
       chosen = &t;
   }
   return chosen;

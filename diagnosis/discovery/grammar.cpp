@@ -14,30 +14,10 @@ namespace stillpoint::diag {
 namespace {
 
 constexpr double kFirstEvent_s = 3.0;
-constexpr std::array<double, 5> kShares{0.15, 0.35, 0.5, 0.65, 0.85};
-constexpr double kGap = 0.03, kBesideAGap = 0.02;  // of a driver's range, of its rows on either side
-constexpr std::size_t kMostGaps = 5;
 constexpr double kLongestOfMotion = 0.15;  // time constant, of the recording: a longer memory of what swings is a trend
 constexpr std::array<double, 3> kWiderLags_s{0.5, 1.6, 5.0};  // refined where they are of use
 constexpr double kOfALine_s = 0.1;                            // period / 2 pi below it: more than a cycle a second
 constexpr int kMostCycles = 40;                               // of a periodic function over the range of its driver
-
-/// In the widest gaps between the values of a driver that is switched: between two states every level is the same one.
-std::vector<double> between_states(const Eigen::VectorXd& all) {
-  std::vector<double> sorted(all.begin(), all.end());
-  std::sort(sorted.begin(), sorted.end());
-  const auto aside = static_cast<std::size_t>(kBesideAGap * static_cast<double>(sorted.size()));
-  const double wide = kGap * (sorted.back() - sorted.front());
-  std::vector<std::pair<double, double>> gaps;  // width, middle
-  for (std::size_t i = aside; i + 1 + aside < sorted.size(); ++i)
-    if (const double width = sorted[i + 1] - sorted[i]; width > wide)
-      gaps.emplace_back(width, 0.5 * (sorted[i] + sorted[i + 1]));
-  std::sort(gaps.rbegin(), gaps.rend());
-  if (gaps.size() > kMostGaps) gaps.resize(kMostGaps);
-  std::vector<double> out;
-  for (const auto& gap : gaps) out.push_back(gap.second);
-  return out;
-}
 
 class Ideas {
  public:
@@ -211,24 +191,6 @@ std::string Idea::text(std::size_t part, double shape) const {
 std::string lag_of(const std::string& x, const std::string& tau) {
   const bool bracketed = x.starts_with('(') && x.ends_with(')');
   return "lag(" + (bracketed ? x.substr(1, x.size() - 2) : x) + ", " + tau + ")";
-}
-
-std::vector<double> geometric(double from, double to, double ratio) {
-  std::vector<double> out;
-  for (double x = from; x < to * 1.001; x *= ratio) out.push_back(x);
-  return out;
-}
-
-std::vector<double> levels_in(const Eigen::MatrixXd& x) {
-  std::vector<double> out;
-  const Eigen::VectorXd all = x.reshaped();
-  for (const double share : kShares) {
-    const double level = quantile(all, share);
-    if (out.empty() || level > out.back()) out.push_back(level);
-  }
-  for (const double level : between_states(all)) out.push_back(level);
-  std::sort(out.begin(), out.end());
-  return out;
 }
 
 laws::Signature signature_of(const laws::Columns& drivers) {

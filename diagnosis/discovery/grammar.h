@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "diagnosis/discovery/grid.h"
 #include "diagnosis/reference/signals.h"
 #include "laws/evaluate.h"
 
@@ -46,12 +47,6 @@ struct Idea {
 
 /// The lag of one of these.
 [[nodiscard]] std::string lag_of(const std::string& scalar, const std::string& tau = "{}");
-
-/// `from`, `from` ratio, ... up to `to`.
-[[nodiscard]] std::vector<double> geometric(double from, double to, double ratio);
-
-/// Where thresholds are looked for: shares of a driver's values, ascending.
-[[nodiscard]] std::vector<double> levels_in(const Eigen::MatrixXd& x);
 
 [[nodiscard]] laws::Signature signature_of(const laws::Columns& drivers);
 

@@ -224,7 +224,7 @@ void drop_whiles_of_a_camera(const Signals& s, SensorSearch& search, std::vector
     const HeldOut h = held_out_by_regime(search, {i});
     SensorSearch without = search;
     take_out(without, i);
-    const bool unsure = h.share_ci95[1] > h.share_ci95[0] && h.share_ci95[0] < kSurely;
+    const bool unsure = is_judged(h) && h.share_ci95[0] < kSurely;
     if (!unsure && stands_beside_wandering(s, without, f)) continue;
     notices.push_back(
         fmt::format("{} fits, but is not stated: a reference that wanders does as much for a while", f.id));

@@ -218,11 +218,12 @@ HeldOut held_out_by_regime(const SensorSearch& search, const std::vector<std::si
   return out;
 }
 
+bool is_judged(const HeldOut& h) { return h.share_ci95[1] > h.share_ci95[0]; }
+
 bool fails_elsewhere(const HeldOut& h, const std::string& id) {
   constexpr double kOfACause = 0.65, kTellsIt_nats = 40.0;  // of less the noise leaves as little
-  const bool judged = h.share_ci95[1] > h.share_ci95[0];
   const bool no_cause = !is_unknown(id) && h.gain_nats > kTellsIt_nats && h.removable_share_removed < kOfACause;
-  return judged && (h.share_ci95[1] < 0.5 || no_cause);
+  return is_judged(h) && (h.share_ci95[1] < 0.5 || no_cause);
 }
 
 }  // namespace stillpoint::diag

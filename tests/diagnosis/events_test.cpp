@@ -42,6 +42,14 @@ TEST(Events, WhatJumpsAndSettlesBesideACameraIsNoTemperatureForAWhile) {
   }
 }
 
+/// Between two states of a current every level is the same one, wherever the shares of its values lie.
+TEST(Events, WhatACurrentSwitchesOnIsFoundBetweenItsStates) {
+  const Answer answer = answer_of(
+      test::with_law("  - {effect: law, sensor: mag, law: \"m * step(I, 0.9)\", k: [0.012, -0.01, 0.02]}"), 4);
+  EXPECT_THAT(test::names(answer), testing::ElementsAre(testing::StartsWith("unknown:m * step(I, ")))
+      << answer.diagnosis.summary;
+}
+
 /// Stress that relaxes after a part was bolted down: with its time constant, so that a simulation can have it.
 TEST(Events, WhatRelaxesFromTheStartOnIsWrittenAsALaw) {
   const Answer answer = answer_of(
