@@ -216,10 +216,10 @@ void discover_in(const Signals& s, SensorSearch& sensor) {
   LawSearch laws(s, sensor.sensor, lines_hz, sensor.moments_s);
   if (!open && !drifts && lines_hz.empty() && laws.most(sensor) < kWorthLooking * kSpeaks) return;
   std::optional<Discovered> best;
-  // What begins and ends for no reason, on data that cannot tell it from a formula, is the formula.
-  const bool in_pieces = any([](const Found& f) { return is_open(f) && f.window.local; });
-  const double margin_of_its_own = in_pieces ? -kAlikeLeast : kBetter;
-  double most = worth(sensor, 0.0) + margin_of_its_own - kShareOfATable * gain_of_no_law(sensor);
+  // A name that begins and ends for no reason, on data that cannot tell it from a formula, is the formula.
+  const bool for_a_while = any([](const Found& f) { return is_open(f) && f.kind == Kind::kNamed; });
+  const double lead = for_a_while ? -kAlikeLeast : kBetter;
+  double most = worth(sensor, 0.0) + lead - kShareOfATable * gain_of_no_law(sensor);
   const auto consider = [&](const SensorSearch& base, double least, double margin) {
     for (const bool event : {false, true}) {
       if (event && sensor.moments_s.empty()) continue;

@@ -220,7 +220,8 @@ void drop_whiles_of_a_camera(const Signals& s, SensorSearch& search, std::vector
   if (s.exact_reference) return;
   for (std::size_t i = search.found.size(); i-- > 0;) {
     const Found f = search.found[i];
-    if (f.kind != Kind::kUnknown || !f.window.local || f.id == kPlainOffset) continue;
+    const bool blames_nothing = f.id == kPlainOffset || f.id == kUnrecordedScalar;
+    if (f.kind != Kind::kUnknown || !f.window.local || blames_nothing) continue;
     const HeldOut h = held_out_by_regime(search, {i});
     SensorSearch without = search;
     take_out(without, i);
