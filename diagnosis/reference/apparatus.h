@@ -20,7 +20,13 @@ void find_jitter(Signals& s, const sim::SimulationConfig& given, Answer& answer)
 void find_reference_error(const Signals& s, const io::Recording& recording, const sim::SimulationConfig& given,
                           Answer& answer);
 
-/// Turns everything predicted by the reference: true vectors in the sensors' frame are exp(-phi) times the body's.
+/// Takes out a slow turn of milliradians between a noisy reference and the sensors that two of them agree about, and
+/// says so in a notice: gravity, the field and the rate would each be given a law of its own for it.
+void take_out_wandering(Signals& s, Answer& answer);
+
+/// Turns everything predicted by the reference, row by row: true vectors in the sensors' frame are exp(-phi) times the
+/// body's.
+void turn_into_sensor_frame(Signals& s, const Series3& phi_rad);
 void turn_into_sensor_frame(Signals& s, const Vec3& phi_rad);
 
 }  // namespace stillpoint::diag

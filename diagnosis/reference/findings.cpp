@@ -214,10 +214,20 @@ Stated stated_of(const Signals& s, const SensorSearch& search, const Finished& f
 }
 
 /// Some product of drivers goes along with a camera's own errors for a while, and with its turns; of its fit it then
-/// predicts half.
+/// predicts half. An offset or a line for a while is what a vibration does that the camera does not see.
 void drop_whiles_of_a_camera(const Signals& s, SensorSearch& search, std::vector<std::string>& notices) {
   constexpr double kSurely = 0.5;
   if (s.exact_reference) return;
+  const auto for_a_while = [](const Found& f) {
+    return f.window.local && (f.id == kPlainOffset || f.id.ends_with("_alias"));
+  };
+  if (std::any_of(search.found.begin(), search.found.end(), for_a_while) &&
+      swings_at_rest(s, search, finish_beside_drift(search))) {
+    notices.push_back(fmt::format("{}: what fits for a while is not stated: the body vibrates unseen by the reference",
+                                  kSensorName[search.sensor]));
+    for (std::size_t i = search.found.size(); i-- > 0;)
+      if (for_a_while(search.found[i])) take_out(search, i);
+  }
   for (std::size_t i = search.found.size(); i-- > 0;) {
     const Found f = search.found[i];
     const bool blames_nothing = f.id == kPlainOffset || f.id == kUnrecordedScalar;

@@ -113,9 +113,10 @@ Finding finding_of(const Signals& s, const std::vector<Turn>& turns, const Commo
 
 }  // namespace
 
-void turn_into_sensor_frame(Signals& s, const Vec3& phi_rad) {
-  const Mat3 C = exp_so3(-phi_rad);
-  const auto turn = [&C](Series3& x) { x = (x * C.transpose()).eval(); };
+void turn_into_sensor_frame(Signals& s, const Series3& phi_rad) {
+  const auto turn = [&phi_rad](Series3& x) {
+    for (Eigen::Index i = 0; i < x.rows(); ++i) x.row(i) = x.row(i) * exp_so3(phi_rad.row(i).transpose());
+  };
   for (int k = 0; k < kSensors; ++k) {
     if (s.predicted[k].rows() == 0) continue;
     s.residual[k] += s.predicted[k];  // what was taken out of it stays out
@@ -125,6 +126,10 @@ void turn_into_sensor_frame(Signals& s, const Vec3& phi_rad) {
   }
   for (Series3& axis : s.world_axis) turn(axis);
   if (s.exact_reference || !s.present[kGyr]) turn(s.rate), turn(s.rate_dot);
+}
+
+void turn_into_sensor_frame(Signals& s, const Vec3& phi_rad) {
+  turn_into_sensor_frame(s, Series3(phi_rad.transpose().replicate(s.n, 1)));
 }
 
 void find_frame(Signals& s, const sim::SimulationConfig& given, Answer& answer) {

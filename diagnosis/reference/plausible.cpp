@@ -19,6 +19,17 @@ const sim::EffectInfo* entry_of_linear(const Found& law) {
   return sim::find_effect(law.id);
 }
 
+/// Numbers that undo one another: together they do a trace of what each of them does, as the nine of a matrix may where
+/// the field keeps to a plane. On another motion they would not.
+bool undo_one_another(const Found& law, const Eigen::VectorXd& theta) {
+  constexpr double kTrace = 0.01;
+  const Eigen::Index n = law.columns.front().x.rows();
+  double apart = 0.0;
+  for (std::size_t j = 0; j < law.columns.size(); ++j)
+    apart = std::max(apart, std::abs(theta[static_cast<Eigen::Index>(j)]) * law.columns[j].x.norm());
+  return contribution_of(law.columns, theta, n).norm() < kTrace * apart;
+}
+
 }  // namespace
 
 bool is_its_own_noise(const Signals& s, const SensorSearch& search, const Found& law) {
@@ -47,11 +58,12 @@ bool possible(const Signals& s, const SensorSearch& search, const Found& law) {
   }
   const sim::EffectInfo* info = entry_of_linear(law);
   if (info == nullptr) return true;
+  const Fit fit = fit_beside(search, law);
+  if (undo_one_another(law, fit.theta.tail(count))) return false;
   double most = 0.0;
   for (const auto& p : info->parameters)
     if (p.symbol == "k" || p.symbol == "S" || p.symbol == "G") most = std::max(most, p.typical_high);
   if (most == 0.0) return true;
-  const Fit fit = fit_beside(search, law);
   const Eigen::VectorXd sd = fit.covariance.diagonal().tail(count).cwiseMax(0.0).cwiseSqrt();
   return ((fit.theta.tail(count).cwiseAbs() - 2.0 * sd).array() < kBeyondUsual * most).all();
 }

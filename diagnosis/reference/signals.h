@@ -32,6 +32,7 @@ struct Signals {
   bool has_orientation = false, has_position = false;
   bool from_log = false;         ///< predicted is what another simulator says
   bool exact_reference = false;  ///< its jitter at rest and its rounding are far below what would disturb the residual
+  bool reference_wanders = false;  ///< slowly; what the sensors agree about of it is taken out
   bool has_rest = false;
   double reference_jitter_rad = 0.0;
   double gravity_mps2 = 9.80665, latitude_rad = 0.85;

@@ -6,17 +6,19 @@
 namespace stillpoint::diag {
 namespace {
 
-constexpr int kHarmonics = 8;          // of the recording's length: turns of more than 8 s a minute
+constexpr int kHarmonics = 8;          // of the recording's length: turns of more than 15 s a minute
+constexpr int kMostTurns = 24;         // where it was seen to wander: what was not seen of it is still there
 constexpr double kWanders_rad = 3e-3;  // cameras keep their calibration to half a milliradian, markers on skin do not
 
 /// phi(t) x v, phi a sum of cosines over the recording; its mean is a wrong matrix.
 Columns slow_turns(const Signals& s, Sensor sensor) {
   Columns out;
   const Series3& v = s.vector[sensor];
+  const int harmonics = s.reference_wanders ? kMostTurns : kHarmonics;
   for (int axis = 0; axis < 3; ++axis) {
     Series3 turned(s.n, 3);
     for (Eigen::Index i = 0; i < s.n; ++i) turned.row(i) = Vec3::Unit(axis).cross(Vec3(v.row(i).transpose()));
-    for (int k = 1; k <= kHarmonics; ++k) {
+    for (int k = 1; k <= harmonics; ++k) {
       const Series course = (s.t_s.array() * (k * std::numbers::pi / s.duration_s())).cos();
       out.push_back({-1, course.asDiagonal() * turned});
     }

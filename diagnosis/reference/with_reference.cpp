@@ -155,6 +155,7 @@ Answer diagnose_with_reference(const ReferencedRows& rows, const sim::Simulation
   // Between its frames a noisy reference knows nothing of its own: the rows of one frame are one.
   if (a_frame > 1 && !s.exact_reference) s = thinned(s, a_frame);
   find_frame(s, simulation, answer);
+  take_out_wandering(s, answer);
   find_jitter(s, simulation, answer);
   const auto factor =
       static_cast<Eigen::Index>(std::floor(std::min(static_cast<double>(s.n) / kMostSamples, kFastEnough_s / s.dt_s)));

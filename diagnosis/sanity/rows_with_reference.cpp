@@ -92,7 +92,7 @@ RowsWithReference rows_with_reference(const io::Recording& given, std::vector<st
     forget(r.ref_position_m);
   }
   r = rows_of_the_sensors(r);
-  bool changed = held > 0 || lines.rows_a_frame > 1 || off_rows || r.size() < given.size();
+  bool changed = held > 0 || lines.lost_rows > 0 || lines.rows_a_frame > 1 || off_rows || r.size() < given.size();
   if (auto even = with_lost_rows(r)) r = std::move(*even), changed = true;
   if (turns.rate_hz() >= kSlowestFrames_Hz) {
     changed = turns.fill(r, r.ref_q_world_body) || changed;
@@ -102,6 +102,10 @@ RowsWithReference rows_with_reference(const io::Recording& given, std::vector<st
   if (held > 0)
     notices.push_back(
         fmt::format("reference: in {} rows it repeats itself while the body turns; those values are taken out", held));
+  if (lines.lost_rows > 0)
+    notices.push_back(
+        fmt::format("reference: over lost frames a line was drawn while the body moves; {} more rows are taken out",
+                    lines.lost_rows));
   const double rows_hz = 1.0 / std::max(r.median_step_s(), 1e-9);
   if (turns.rate_hz() < 0.9 * rows_hz)
     notices.push_back(

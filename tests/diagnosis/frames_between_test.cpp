@@ -66,6 +66,44 @@ TEST(FramesBetween, KeepTheirStepAfterALostRow) {
   EXPECT_FALSE(found.drawn[1101]) << "the frames lie on odd rows from there on";
 }
 
+/// Rows [begin, end) lost, and a line drawn over them: turns at a constant rate, places alike.
+io::Recording drawn_over(io::Recording r, std::size_t begin, std::size_t end) {
+  const auto at = [&r](std::size_t i) {
+    const Eigen::Vector4d& q = r.ref_q_world_body[i];
+    return Quat(q[0], q[1], q[2], q[3]);
+  };
+  const Quat from = at(begin - 1), to = at(end);
+  const Vec3 a = r.ref_position_m[begin - 1], b = r.ref_position_m[end];
+  for (std::size_t i = begin; i < end; ++i) {
+    const double share = static_cast<double>(i - begin + 1) / static_cast<double>(end - begin + 1);
+    const Quat q = from.slerp(share, to);
+    r.ref_q_world_body[i] = Eigen::Vector4d(q.w(), q.x(), q.y(), q.z());
+    r.ref_position_m[i] = (1.0 - share) * a + share * b;
+  }
+  return r;
+}
+
+TEST(FramesBetween, AreNoneUnderALineOverLostFrames) {
+  const DrawnRows found = rows_drawn_between_frames(drawn_over(followed(4001, 1e-4), 1001, 1021));
+  EXPECT_EQ(found.rows_a_frame, 1u);
+  EXPECT_EQ(found.lost_rows, 20u);
+  for (std::size_t i = 0; i < found.drawn.size(); ++i) EXPECT_EQ(found.drawn[i], i >= 1001 && i < 1021) << i;
+  const DrawnRows of_frames = rows_drawn_between_frames(drawn_over(drawn_between(followed(4001, 1e-4), 4), 1001, 1021));
+  EXPECT_EQ(of_frames.rows_a_frame, 4u);
+  for (std::size_t i = 1001; i < 1020; ++i) EXPECT_TRUE(of_frames.drawn[i]) << i;
+  EXPECT_FALSE(of_frames.drawn[1000]);
+}
+
+TEST(FramesBetween, AreNotLostWhereNothingMovesOrNothingIsNoisy) {
+  io::Recording still = followed(4001, 1e-4);
+  for (std::size_t i = 1001; i < 1021; ++i)
+    still.ref_q_world_body[i] = still.ref_q_world_body[1000], still.ref_position_m[i] = still.ref_position_m[1000];
+  const DrawnRows held = rows_drawn_between_frames(still);
+  EXPECT_EQ(held.lost_rows, 0u) << "a value that repeats is another matter";
+  EXPECT_EQ(rows_drawn_between_frames(drawn_over(followed(4001, 0.0), 1001, 1021)).lost_rows, 0u)
+      << "steady motion is as straight";
+}
+
 TEST(FramesBetween, AreNotSeenWhereEveryRowWasMeasured) {
   EXPECT_EQ(rows_drawn_between_frames(followed(4001, 1e-4)).rows_a_frame, 1u) << "a camera";
   EXPECT_EQ(rows_drawn_between_frames(followed(4001, 0.0)).rows_a_frame, 1u) << "arithmetic";

@@ -1,0 +1,30 @@
+/// Numbers that no part has are no answer.
+#include "diagnosis/reference/plausible.h"
+
+#include <gtest/gtest.h>
+
+#include "tests/diagnosis/simulated.h"
+
+namespace stillpoint::diag {
+namespace {
+
+TEST(Plausible, NumbersDoNotUndoOneAnother) {
+  const auto config = test::baseline("exact", 60.0);
+  const Result<Signals> s = make_signals(test::record(config, "", {}, 3), config, {});
+  ASSERT_TRUE(s);
+  SensorSearch search = start_search(*s, kMag);
+  const Series3& field = s->vector[kMag];
+  const Series3 small = 0.02 * s->vector[kAcc];
+  search.target.residual += small;
+  Found law;
+  law.id = "mag_soft_step";
+  law.names = {"M_xx", "M_xy"};
+  law.columns = {{-1, field.cwiseProduct(field)}, {-1, field.cwiseProduct(field) + 1e-2 * small}};
+  EXPECT_FALSE(possible(*s, search, law)) << "-100 and 100 for what one of 1 does";
+  law.names = {"M_xx"};
+  law.columns = {{-1, small}};
+  EXPECT_TRUE(possible(*s, search, law));
+}
+
+}  // namespace
+}  // namespace stillpoint::diag
