@@ -153,11 +153,13 @@ Testimony testimony_of(const Signals& s, Sensor sensor, const Basis& basis) {
 /// The cause outside that sensors see, where it is clearly likelier than that each is wrong in a way of its own or in
 /// none. A sensor that does not share it must be wrong in such a way of its own: a turn of the reference spares nobody.
 std::optional<Together> agreed(const Basis& basis, const std::vector<Testimony>& all) {
+  std::vector<double> alone;
   double apart = 0.0;
   for (const Testimony& t : all) {
-    double alone = 0.0;
-    for (const Range& cause : causes(basis)) alone = std::max(alone, together(basis, cause, {&t}).evidence_nats);
-    apart += alone;
+    alone.push_back(-HUGE_VAL);
+    for (const Range& cause : causes(basis))
+      alone.back() = std::max(alone.back(), together(basis, cause, {&t}).evidence_nats);
+    apart += std::max(0.0, alone.back());
   }
   std::optional<Together> best;
   double least = apart + kSpeaks;
@@ -169,7 +171,7 @@ std::optional<Together> agreed(const Basis& basis, const std::vector<Testimony>&
         if (some >> i & 1u)
           sensors.push_back(&all[i]);
         else
-          others += together(basis, cause, {&all[i]}).evidence_nats;
+          others += alone[i];
       if (sensors.size() < 2) continue;
       Together one = together(basis, cause, std::move(sensors));
       if (one.evidence_nats + others < least) continue;

@@ -20,6 +20,7 @@ struct Straightness {
   std::size_t least_bends = 100;
   std::size_t longest_frame = 40;  ///< rows: 5 Hz at 200 Hz, slower than any tracking
   double noise = 0.3;              ///< of the bends that changes from each to the next: smooth motion keeps them
+  double neighbours = 0.8;         ///< of the bends that follow one another by a frame, where lost ones are to be told
   double moves = 20.0;             ///< roundings over a line: what stands still was measured to stand
 };
 
@@ -92,7 +93,11 @@ bool is_noisy(const auto& path, const std::vector<std::size_t>& bent, const Stra
 
 /// Marks the frames over which one line was drawn although the body moved: they were lost.
 void mark_lost_frames(const auto& path, const std::vector<std::size_t>& bent, const Straightness& p, DrawnRows& out) {
-  if (!is_noisy(path, bent, p)) return;
+  std::size_t neighbours = 0;
+  for (std::size_t k = 1; k < bent.size(); ++k) neighbours += bent[k] - bent[k - 1] == out.rows_a_frame ? 1 : 0;
+  // Frames that fall on no rows bend it at uneven steps (frames_off_rows.h).
+  if (static_cast<double>(neighbours) < p.neighbours * static_cast<double>(bent.size()) || !is_noisy(path, bent, p))
+    return;
   const std::size_t least = std::max<std::size_t>(2 * out.rows_a_frame, 4);
   for (std::size_t k = 1; k < bent.size(); ++k) {
     const std::size_t a = bent[k - 1], b = bent[k];

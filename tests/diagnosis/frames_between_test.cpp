@@ -104,6 +104,21 @@ TEST(FramesBetween, AreNotLostWhereNothingMovesOrNothingIsNoisy) {
       << "steady motion is as straight";
 }
 
+TEST(FramesBetween, AreNotLostWhereTheyFallOnNoRows) {
+  const io::Recording frames = followed(4001, 1e-4);
+  io::Recording r;
+  for (std::size_t i = 0; i < 8000; ++i) {  // 4.6 rows a frame
+    const double at = static_cast<double>(i) / 4.6;
+    const auto k = static_cast<std::size_t>(at);
+    const double share = at - static_cast<double>(k);
+    const auto between = [share](const auto& a, const auto& b) { return ((1.0 - share) * a + share * b).eval(); };
+    r.t_ns.push_back(std::llround(1e9 * kStep_s * at));
+    r.ref_position_m.push_back(between(frames.ref_position_m[k], frames.ref_position_m[k + 1]));
+    r.ref_q_world_body.push_back(between(frames.ref_q_world_body[k], frames.ref_q_world_body[k + 1]).normalized());
+  }
+  EXPECT_EQ(rows_drawn_between_frames(r).lost_rows, 0u);
+}
+
 TEST(FramesBetween, AreNotSeenWhereEveryRowWasMeasured) {
   EXPECT_EQ(rows_drawn_between_frames(followed(4001, 1e-4)).rows_a_frame, 1u) << "a camera";
   EXPECT_EQ(rows_drawn_between_frames(followed(4001, 0.0)).rows_a_frame, 1u) << "arithmetic";
