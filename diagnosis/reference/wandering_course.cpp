@@ -163,7 +163,9 @@ std::optional<Together> agreed(const Basis& basis, const std::vector<Testimony>&
   }
   std::optional<Together> best;
   double least = apart + kSpeaks;
-  for (const Range& cause : causes(basis))
+  for (const Range& cause : causes(basis)) {
+    // In a motion as slow as the turn one passes for a little of the other.
+    const double price = cause.count > basis.turns() ? kSpeaks : 0.0;
     for (unsigned some = 1; some < 1u << all.size(); ++some) {
       std::vector<const Testimony*> sensors;
       double others = 0.0;
@@ -174,10 +176,11 @@ std::optional<Together> agreed(const Basis& basis, const std::vector<Testimony>&
           others += alone[i];
       if (sensors.size() < 2) continue;
       Together one = together(basis, cause, std::move(sensors));
-      if (one.evidence_nats + others < least) continue;
-      least = one.evidence_nats + others;
+      if (one.evidence_nats + others - price < least) continue;
+      least = one.evidence_nats + others - price;
       best = std::move(one);
     }
+  }
   return best;
 }
 
