@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/cross_rows.h"
 #include "core/result.h"
 #include "laws/elementwise.h"
 
@@ -75,15 +76,6 @@ Matrix play(const Matrix& x, double width) {
   return out;
 }
 
-Matrix cross(const Matrix& a, const Matrix& b) {
-  Matrix out(a.rows(), 3);
-  for (int i = 0; i < 3; ++i) {
-    const int j = (i + 1) % 3, k = (i + 2) % 3;
-    out.col(i) = a.col(j).cwiseProduct(b.col(k)) - a.col(k).cwiseProduct(b.col(j));
-  }
-  return out;
-}
-
 Matrix product(const Matrix& a, const Matrix& b) {
   if (a.cols() == b.cols()) return a.cwiseProduct(b);
   return a.cols() == 1 ? b.array().colwise() * a.col(0).array() : a.array().colwise() * b.col(0).array();
@@ -124,7 +116,7 @@ Eigen::MatrixXd evaluate(const Node& n, const Columns& c) {
     case Op::kDivide:
       return product(a, b.cwiseInverse());
     case Op::kCross:
-      return cross(a, b);
+      return cross_rows(a, b);
     case Op::kRate:
       return rate(a, c.t_s, rate_span_s(n));
     case Op::kIntegral:

@@ -2,6 +2,7 @@
 
 #include <array>
 
+#include "core/cross_rows.h"
 #include "diagnosis/reference/differences.h"
 
 namespace stillpoint::diag {
@@ -19,9 +20,7 @@ void add_vector(laws::Columns& out, const std::string& name, const Series3& x, c
 /// gyroscope says.
 Series3 rate_of(const Signals& s, Sensor k) {
   if (k != kMag || s.exact_reference) return derivative(s.vector[k], s.rows);
-  Series3 out(s.n, 3);
-  for (Eigen::Index i = 0; i < s.n; ++i) out.row(i) = Vec3(s.vector[k].row(i)).cross(Vec3(s.rate.row(i)));
-  return out;
+  return cross_rows(s.vector[k], s.rate);
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <optional>
 
+#include "core/cross_rows.h"
 #include "diagnosis/reference/lines.h"
 #include "diagnosis/reference/response.h"
 
@@ -70,10 +71,7 @@ Series3 lacking(const Signals& s, Sensor k, const Fold& fold, double frequency_H
   if (k == kAcc) return in_body(s, lack(in_world(s, motion(s, kAcc))));
   Series3 out = Series3::Zero(s.n, 3);
   // An axis x of the world moves as dx/dt = x cross w in the body, so that w = sum (dx/dt cross x) / 2.
-  for (const Series3& axis : s.world_axis) {
-    const Series3 turns = lack(derivative(axis, s.rows));
-    for (Eigen::Index i = 0; i < s.n; ++i) out.row(i) += 0.5 * Vec3(turns.row(i)).cross(Vec3(axis.row(i)));
-  }
+  for (const Series3& axis : s.world_axis) out += 0.5 * cross_rows(lack(derivative(axis, s.rows)), axis);
   return out;
 }
 

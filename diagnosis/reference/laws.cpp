@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "core/cross_rows.h"
 #include "diagnosis/reference/columns.h"
 #include "diagnosis/reference/hidden_rail.h"
 #include "diagnosis/reference/separable.h"
@@ -258,12 +259,7 @@ class LawList {
     if (s.exact_reference) return;
     Law& smoothed = add(
         kSmoothedReference,
-        [&s, k = sensor_](double) -> Columns {
-          Series3 turned(s.n, 3);
-          for (Eigen::Index i = 0; i < s.n; ++i)
-            turned.row(i) = Vec3(s.rate_dot.row(i)).cross(Vec3(s.vector[k].row(i)));
-          return coupled({std::move(turned)});
-        },
+        [&s, k = sensor_](double) -> Columns { return coupled({cross_rows(s.rate_dot, s.vector[k])}); },
         {"half_square"}, "s^2", "delta = s^2/2 omega' x true", "angular acceleration");
     smoothed.kind = Kind::kConfiguration;
     smoothed.extent = Extent::kWhole;

@@ -7,6 +7,7 @@
 #include <array>
 #include <cmath>
 
+#include "core/cross_rows.h"
 #include "core/so3.h"
 #include "diagnosis/reference/apparatus.h"
 #include "diagnosis/reference/regression.h"
@@ -14,8 +15,7 @@
 namespace stillpoint::diag {
 namespace {
 
-constexpr double kShortest_s = 5.0;  // period; faster is the reference's noise, which the noise model has
-constexpr int kMostTerms = 48;
+constexpr double kShortest_s = 5.0;     // period; faster is the reference's noise, which the noise model has
 constexpr double kExpected_rad = 3e-3;  // rms of an axis, for the prior of the course
 constexpr double kMost_rad = 6e-3;      // more is a mount that moves: a law of time, to be told as one
 constexpr double kOneAxis = 0.97;       // of the turning: a mount that gives way turns about one
@@ -30,29 +30,21 @@ struct Basis {
   std::vector<Series3> turn, rate;
   Eigen::MatrixXd late;
   Eigen::VectorXd sd;
+  double shortest_s = 0.0;  ///< period of the turns; kShortest_s in a recording that is not long
   [[nodiscard]] Eigen::Index turns() const { return static_cast<Eigen::Index>(turn.size()); }
 };
-
-Series3 crossed(const Series3& a, const Series3& b) {
-  Series3 out(a.rows(), 3);
-  for (int i = 0; i < 3; ++i) {
-    const int j = (i + 1) % 3, k = (i + 2) % 3;
-    out.col(i) = a.col(j).cwiseProduct(b.col(k)) - a.col(k).cwiseProduct(b.col(j));
-  }
-  return out;
-}
 
 Basis make_basis(const Signals& s, bool in_world) {
   Basis out;
   const Eigen::MatrixXd walk = walk_basis(s, kShortest_s);
-  const Eigen::Index terms = std::min<Eigen::Index>(kMostTerms, walk.cols());
+  const Eigen::Index terms = walk.cols();
   for (int axis = 0; axis < 3; ++axis) {
     const Series3 about = in_world ? s.world_axis[static_cast<std::size_t>(axis)]
                                    : Series3(Vec3::Unit(axis).transpose().replicate(s.n, 1));
     for (Eigen::Index k = 0; k < terms; ++k) {
       out.turn.emplace_back(walk.col(k).asDiagonal() * about);
       out.rate.emplace_back(derivative(walk.col(k).replicate(1, 3), s.rows).cwiseProduct(about));
-      if (in_world) out.rate.back() -= crossed(s.rate, out.turn.back());  // the world's axes turn against the body
+      if (in_world) out.rate.back() -= cross_rows(s.rate, out.turn.back());  // the world's axes turn against the body
       for (Eigen::Index i = 0; i < s.n; ++i)  // the reference's own rate is not believed at rest
         if (s.rest[static_cast<std::size_t>(i)]) out.rate.back().row(i).setZero();
     }
@@ -62,6 +54,7 @@ Basis make_basis(const Signals& s, bool in_world) {
   out.sd = Eigen::VectorXd::Constant(out.turns() + kLateTerms, kVaries_s);
   out.sd.head(out.turns()).setConstant(kExpected_rad * std::sqrt(2.0 / static_cast<double>(terms)));
   out.sd[out.turns()] = kLate_s;
+  out.shortest_s = 2.0 * s.duration_s() / static_cast<double>(terms);
   return out;
 }
 
@@ -71,7 +64,7 @@ Columns shown_in(const Signals& s, Sensor sensor, const Basis& basis) {
   const Series3& v = s.vector[sensor];
   Columns out;
   for (std::size_t j = 0; j < basis.turn.size(); ++j) {
-    Series3 x = -crossed(basis.turn[j], v);
+    Series3 x = -cross_rows(basis.turn[j], v);
     if (sensor == kGyr) x += basis.rate[j];
     out.push_back({-1, std::move(x)});
   }
@@ -140,18 +133,36 @@ std::array<Range, 3> causes(const Basis& basis) {
   return {Range{0, turns}, Range{turns, kLateTerms}, Range{0, turns + kLateTerms}};
 }
 
+/// A sensor that may speak, and what bias and matrix alone leave of it.
+struct Witness {
+  Target target;
+  Series3 leftover;
+};
+
+std::vector<Witness> witnesses_of(const Signals& s) {
+  constexpr double kLeastRows = 500.0;
+  std::vector<Witness> out;
+  for (const Sensor k : {kAcc, kGyr, kMag}) {
+    if (!s.present[k]) continue;
+    Target target = make_target(s, k);
+    if (target.layout.used() <= kLeastRows) continue;
+    Series3 leftover = fit_profile(target, {}).leftover;
+    out.push_back({std::move(target), std::move(leftover)});
+  }
+  return out;
+}
+
 /// Twice heard: the noise is what the first answer leaves over.
-Testimony testimony_of(const Signals& s, Sensor sensor, const Basis& basis) {
-  const Target target = make_target(s, sensor);
-  const Columns columns = shown_in(s, sensor, basis);
-  const Series3 leftover = fit_profile(target, {}).leftover;
+Testimony testimony_of(const Signals& s, const Witness& witness, const Basis& basis) {
+  const auto& [target, leftover] = witness;
+  const Columns columns = shown_in(s, target.sensor, basis);
   const Testimony first = heard(target, columns, NoiseModel(target.layout, leftover));
   const Series3 explained = contribution_of(columns, together(basis, causes(basis)[2], {&first}).course, s.n);
   return heard(target, columns, NoiseModel(target.layout, leftover - explained));
 }
 
 /// The cause outside that sensors see, where it is clearly likelier than that each is wrong in a way of its own or in
-/// none. A sensor that does not share it must be wrong in such a way of its own: a turn of the reference spares nobody.
+/// none. A sensor that does not share it must be wrong in its likeliest own way: a turn of the reference spares nobody.
 std::optional<Together> agreed(const Basis& basis, const std::vector<Testimony>& all) {
   std::vector<double> alone;
   double apart = 0.0;
@@ -186,10 +197,11 @@ std::optional<Together> agreed(const Basis& basis, const std::vector<Testimony>&
 
 struct Turning {
   Series3 turn, rate;
+  double shortest_s = 0.0;
 };
 
 Turning turning_of(const Basis& basis, const Together& one) {
-  Turning out{Series3::Zero(basis.turn[0].rows(), 3), Series3::Zero(basis.turn[0].rows(), 3)};
+  Turning out{Series3::Zero(basis.turn[0].rows(), 3), Series3::Zero(basis.turn[0].rows(), 3), basis.shortest_s};
   for (Eigen::Index j = 0; one.columns.begin == 0 && j < basis.turns(); ++j) {
     out.turn += one.course[j] * basis.turn[static_cast<std::size_t>(j)];
     out.rate += one.course[j] * basis.rate[static_cast<std::size_t>(j)];
@@ -211,11 +223,11 @@ void take_out_wandering(Signals& s, Answer& answer) {
   double evidence_nats = 0.0;
   Turning turning;
   std::string who;
+  const std::vector<Witness> witnesses = witnesses_of(s);
   for (const bool in_world : {false, true}) {
     const Basis basis = make_basis(s, in_world);
     std::vector<Testimony> all;
-    for (const Sensor k : {kAcc, kGyr, kMag})
-      if (s.present[k] && make_target(s, k).layout.used() > 500) all.push_back(testimony_of(s, k, basis));
+    for (const Witness& w : witnesses) all.push_back(testimony_of(s, w, basis));
     const auto best = agreed(basis, all);
     if (!best || best->evidence_nats < evidence_nats) continue;
     evidence_nats = best->evidence_nats;
@@ -231,7 +243,7 @@ void take_out_wandering(Signals& s, Answer& answer) {
   answer.diagnosis.notices.push_back(fmt::format(
       "reference: it turns slowly against the sensors, by {:.2g} rad rms about an axis, in periods of more than {:.0f} "
       "s: {} agree about it. What they agree about is taken out",
-      rms_rad, kShortest_s, who));
+      rms_rad, turning.shortest_s, who));
 }
 
 }  // namespace stillpoint::diag

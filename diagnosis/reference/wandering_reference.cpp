@@ -3,6 +3,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "core/cross_rows.h"
+
 namespace stillpoint::diag {
 namespace {
 
@@ -16,8 +18,7 @@ Columns slow_turns(const Signals& s, Sensor sensor) {
   const Series3& v = s.vector[sensor];
   const int harmonics = s.reference_wanders ? kMostTurns : kHarmonics;
   for (int axis = 0; axis < 3; ++axis) {
-    Series3 turned(s.n, 3);
-    for (Eigen::Index i = 0; i < s.n; ++i) turned.row(i) = Vec3::Unit(axis).cross(Vec3(v.row(i).transpose()));
+    const Series3 turned = cross_rows(Series3(Vec3::Unit(axis).transpose().replicate(s.n, 1)), v);
     for (int k = 1; k <= harmonics; ++k) {
       const Series course = (s.t_s.array() * (k * std::numbers::pi / s.duration_s())).cos();
       out.push_back({-1, course.asDiagonal() * turned});

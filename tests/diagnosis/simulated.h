@@ -7,6 +7,7 @@
 
 #include <gtest/gtest.h>
 
+#include "core/so3.h"
 #include "diagnosis/diagnose.h"
 #include "io/simulated_recording.h"
 #include "io/simulation_yaml.h"
@@ -48,6 +49,17 @@ inline io::Recording record(sim::SimulationConfig config, const std::string& id,
                             std::uint64_t seed) {
   if (!id.empty()) config.effects.push_back({.id = id, .parameters = parameters, .axes = {}, .window_s = {}});
   return io::to_recording(sim::simulate(config, seed));
+}
+
+/// The reference turned by at(seconds from the start), rad: markers on the body, or a camera in the world.
+template <class Turn>
+void turn_reference(io::Recording& r, const Turn& at, bool in_world = false) {
+  for (std::size_t i = 0; i < r.size(); ++i) {
+    const auto& x = r.ref_q_world_body[i];
+    const Quat q(x[0], x[1], x[2], x[3]), turn = exp_quat(at(r.t_s(i) - r.t_s(0)));
+    const Quat turned = in_world ? turn * q : q * turn;
+    r.ref_q_world_body[i] = Eigen::Vector4d(turned.w(), turned.x(), turned.y(), turned.z());
+  }
 }
 
 inline std::vector<std::string> names(const Diagnosis& diagnosis) {

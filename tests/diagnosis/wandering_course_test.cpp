@@ -2,9 +2,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
-#include "core/so3.h"
 #include "diagnosis/reference/apparatus.h"
 #include "tests/diagnosis/simulated.h"
 
@@ -21,16 +21,7 @@ sim::SimulationConfig quiet(const std::string& reference = "mocap", const std::s
       "}\neffects:" + effects);
 }
 
-/// Of markers against the body, or of a camera against the world.
-void turn_reference(io::Recording& r, bool in_world) {
-  for (std::size_t i = 0; i < r.size(); ++i) {
-    const double t = r.t_s(i) - r.t_s(0);
-    const Quat turn = exp_quat(2e-3 * Vec3(std::sin(0.3 * t), std::cos(0.17 * t), std::sin(0.45 * t + 1.0)));
-    const auto& x = r.ref_q_world_body[i];
-    const Quat q(x[0], x[1], x[2], x[3]), turned = in_world ? turn * q : q * turn;
-    r.ref_q_world_body[i] = Eigen::Vector4d(turned.w(), turned.x(), turned.y(), turned.z());
-  }
-}
+Vec3 slowly(double t_s) { return 2e-3 * Vec3(std::sin(0.3 * t_s), std::cos(0.17 * t_s), std::sin(0.45 * t_s + 1.0)); }
 
 Signals signals_of(const io::Recording& r, const sim::SimulationConfig& config) {
   Result<Signals> s = make_signals(r, config, {});
@@ -44,7 +35,7 @@ TEST_P(Wandering, IsTakenOutOfWhatTheReferencePredicts) {
   const sim::SimulationConfig config = quiet();
   const io::Recording right = test::record(config, "", {}, 5);
   io::Recording wrong = right;
-  turn_reference(wrong, GetParam());
+  test::turn_reference(wrong, slowly, GetParam());
   const Signals truth = signals_of(right, config), before = signals_of(wrong, config);
   Signals after = before;
   Answer answer;
@@ -84,7 +75,7 @@ TEST(Wandering, IsNoLateness) {
   io::Recording r = test::record(config, "sys_offset", {{"tau_s", {0.02}}}, 7);
   const Answer late = diagnose(r, config);
   EXPECT_THAT(test::names(late), testing::ElementsAre("sys_offset"));
-  turn_reference(r, false);
+  test::turn_reference(r, slowly);
   const Answer both = diagnose(r, config);
   EXPECT_THAT(test::names(both), testing::UnorderedElementsAre("sys_offset", "ref_error"))
       << "it errs by more than the simulation says";
@@ -94,12 +85,9 @@ TEST(Wandering, IsNoLateness) {
 TEST(Wandering, IsNoMountThatGivesWay) {
   const sim::SimulationConfig config = quiet();
   io::Recording r = test::record(config, "", {}, 5);
-  for (std::size_t i = 0; i < r.size(); ++i) {
-    const double since_s = std::max(0.0, r.t_s(i) - r.t_s(0) - 25.0);
-    const auto& x = r.ref_q_world_body[i];
-    const Quat q = Quat(x[0], x[1], x[2], x[3]) * exp_quat((1.0 - std::exp(-since_s / 5.0)) * Vec3(8e-3, 2e-3, -3e-3));
-    r.ref_q_world_body[i] = Eigen::Vector4d(q.w(), q.x(), q.y(), q.z());
-  }
+  test::turn_reference(r, [](double t_s) -> Vec3 {
+    return (1.0 - std::exp(-std::max(0.0, t_s - 25.0) / 5.0)) * Vec3(8e-3, 2e-3, -3e-3);
+  });
   Signals s = signals_of(r, config);
   Answer answer;
   take_out_wandering(s, answer);
@@ -109,7 +97,7 @@ TEST(Wandering, IsNoMountThatGivesWay) {
 TEST(Wandering, IsNotLookedForInAnExactReference) {
   const sim::SimulationConfig config = quiet("exact");
   io::Recording r = test::record(config, "", {}, 5);
-  turn_reference(r, false);
+  test::turn_reference(r, slowly);
   Signals s = signals_of(r, config);
   s.exact_reference = true;
   Answer answer;

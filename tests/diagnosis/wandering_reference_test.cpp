@@ -6,26 +6,15 @@
 
 #include <cmath>
 
-#include "core/so3.h"
 #include "tests/diagnosis/simulated.h"
 
 namespace stillpoint::diag {
 namespace {
 
-/// The reference of a recording turned against the body by an angle of its own, rad.
-template <class Turn>
-void turn_reference(io::Recording& r, const Turn& at) {
-  for (std::size_t i = 0; i < r.size(); ++i) {
-    const auto& q = r.ref_q_world_body[i];
-    const Quat turned = Quat(q[0], q[1], q[2], q[3]) * exp_quat(at(r.t_s(i) - r.t_s(0)));
-    r.ref_q_world_body[i] = Eigen::Vector4d(turned.w(), turned.x(), turned.y(), turned.z());
-  }
-}
-
 TEST(WanderingReference, ItsTurnsAreNoLaw) {
   auto config = test::baseline("mocap", 60.0);
   io::Recording r = test::record(config, "", {}, 11);
-  turn_reference(r, [](double t) { return Vec3(4e-3 * std::sin(0.11 * t), 4e-3 * std::cos(0.17 * t), 0.0); });
+  test::turn_reference(r, [](double t) { return Vec3(4e-3 * std::sin(0.11 * t), 4e-3 * std::cos(0.17 * t), 0.0); });
   Result<Signals> s = make_signals(r, config, {});
   ASSERT_TRUE(s);
   SensorSearch search = start_search(*s, kMag);
@@ -54,7 +43,7 @@ TEST(WanderingReference, NoSensorIsBlamedForIt) {
         "reference: {kind: mocap, orientation_sd_rad: 0.0005, position_sd_m: 0.0001, band_hz: 4.3}\neffects:\n" +
         effects);
     io::Recording r = test::record(config, "", {}, seed);
-    turn_reference(r, [](double t) -> Vec3 { return std::sin(0.126 * t + 1.0) * Vec3(2e-3, -1.5e-3, 1e-3); });
+    test::turn_reference(r, [](double t) -> Vec3 { return std::sin(0.126 * t + 1.0) * Vec3(2e-3, -1.5e-3, 1e-3); });
     config.effects.clear();
     return diagnose(r, config);
   };
