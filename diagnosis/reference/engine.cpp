@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "diagnosis/reference/settled_matrices.h"
 #include "diagnosis/reference/timing_in_window.h"
 
 namespace stillpoint::diag {
@@ -69,50 +70,73 @@ Shared shared_by_all(const Signals& s, EngineResult& r, Sensor lead, Found& f, s
   return Shared::kYes;
 }
 
-}  // namespace
-
-EngineResult search_all(const Signals& s, const std::vector<std::string>& without,
-                        const std::function<void(double)>& progress) {
-  EngineResult r;
+struct Search {
+  EngineResult result;
   std::array<bool, kSensors> open{};
+};
+
+Search begin(const Signals& s, const std::vector<std::string>& without) {
+  Search out;
   for (const Sensor k : {kAcc, kGyr, kMag}) {
     if (!s.present[k] || s.residual[k].rows() == 0) continue;
-    r.sensor[k] = start_search(s, k, without);
-    open[k] = r.sensor[k]->target.layout.used() > 200;
+    out.result.sensor[k] = start_search(s, k, without);
+    out.open[k] = out.result.sensor[k]->target.layout.used() > 200;
   }
-  for (int round = 0; round < kMostEffects; ++round) {
-    std::array<std::optional<Found>, kSensors> next;
-    for (const Sensor k : {kAcc, kGyr, kMag}) {
-      if (progress) progress((round + static_cast<int>(k) / 3.0) / kMostEffects);
-      if (open[k]) next[k] = next_effect(s, *r.sensor[k]);
+  return out;
+}
+
+/// The next effect of each sensor.
+void one_round(const Signals& s, Search& search, const std::function<void(double)>& progress) {
+  EngineResult& r = search.result;
+  std::array<std::optional<Found>, kSensors> next;
+  for (const Sensor k : {kAcc, kGyr, kMag}) {
+    if (progress) progress(static_cast<int>(k) / 3.0);
+    if (search.open[k]) next[k] = next_effect(s, *r.sensor[k]);
+  }
+  // The sensor that sees a clock effect best speaks for it.
+  int lead = -1;
+  for (int k = 0; k < kSensors; ++k)
+    if (next[k] && concerns_the_clock(*next[k]) && (lead < 0 || next[k]->gain_nats > next[lead]->gain_nats)) lead = k;
+  std::array<bool, kSensors> again{};
+  if (lead >= 0) {
+    std::vector<Sensor> sensors{static_cast<Sensor>(lead)};
+    const Shared shared = shared_by_all(s, r, static_cast<Sensor>(lead), *next[lead], sensors);
+    if (shared == Shared::kForAWhile) {  // a piece of a latency that varies, for which there are laws
+      for (auto& of_sensor : r.sensor)
+        if (of_sensor) of_sensor->delays_in_windows = false;
+      return;
     }
-    // The sensor that sees a clock effect best speaks for it.
-    int lead = -1;
-    for (int k = 0; k < kSensors; ++k)
-      if (next[k] && concerns_the_clock(*next[k]) && (lead < 0 || next[k]->gain_nats > next[lead]->gain_nats)) lead = k;
-    std::array<bool, kSensors> again{};
-    if (lead >= 0) {
-      std::vector<Sensor> sensors{static_cast<Sensor>(lead)};
-      const Shared shared = shared_by_all(s, r, static_cast<Sensor>(lead), *next[lead], sensors);
-      if (shared == Shared::kForAWhile) {  // a piece of a latency that varies, for which there are laws
-        for (auto& search : r.sensor)
-          if (search) search->delays_in_windows = false;
-        continue;
-      }
-      if (shared == Shared::kYes) {
-        r.system.push_back({*next[lead], static_cast<Sensor>(lead), sensors});
-        for (const Sensor k : sensors) again[k] = k != lead;
-      }
-    }
-    for (const Sensor k : {kAcc, kGyr, kMag}) {
-      if (again[k]) continue;  // its residual has changed: look afresh in the next round
-      if (!next[k])
-        open[k] = false;
-      else
-        accept(*r.sensor[k], *next[k]);
+    if (shared == Shared::kYes) {
+      r.system.push_back({*next[lead], static_cast<Sensor>(lead), sensors});
+      for (const Sensor k : sensors) again[k] = k != lead;
     }
   }
-  return r;
+  for (const Sensor k : {kAcc, kGyr, kMag}) {
+    if (again[k]) continue;  // its residual has changed: look afresh in the next round
+    if (!next[k])
+      search.open[k] = false;
+    else
+      accept(*r.sensor[k], *next[k]);
+  }
+}
+
+}  // namespace
+
+EngineResult search_all(Signals& s, const std::vector<std::string>& without,
+                        const std::function<void(double)>& progress) {
+  Search search = begin(s, without);
+  bool settled = false;
+  int round = 0;
+  const auto so_far = [&](double share) { progress((round + share) / kMostEffects); };
+  while (round < kMostEffects) {
+    one_round(s, search, progress ? std::function<void(double)>(so_far) : progress);
+    ++round;
+    if (settled || !settle_matrices(s, search.result)) continue;
+    settled = true;
+    search = begin(s, without);
+    round = 0;
+  }
+  return std::move(search.result);
 }
 
 }  // namespace stillpoint::diag

@@ -16,8 +16,9 @@ struct EngineResult {
 };
 
 /// Pre: the signals have an orientation. `without`: names that are not in the library this time. `progress` is told the
-/// share of the search that is done at most.
-[[nodiscard]] EngineResult search_all(const Signals& s, const std::vector<std::string>& without = {},
+/// share of the search that is done at most. Where what is found first is seen through a wrong matrix of the
+/// simulation, the matrix is set right in `s` and the search begins anew (settled_matrices.h).
+[[nodiscard]] EngineResult search_all(Signals& s, const std::vector<std::string>& without = {},
                                       const std::function<void(double)>& progress = {});
 
 }  // namespace stillpoint::diag

@@ -35,8 +35,7 @@ std::optional<Turn> turn_of(const Signals& s, Sensor k) {
       if (j != axis) variance += 0.25 * fit.nuisance_covariance(4 * axis + 1 + j, 4 * axis + 1 + j);
   }
   // Where the sensor itself stands for the true vector, residual = u - C' u; else it is C v - v.
-  const bool of_reference = s.exact_reference || k == kMag;
-  const Mat3 C = of_reference ? Mat3(Mat3::Identity() + map) : Mat3((Mat3::Identity() - map).inverse());
+  const Mat3 C = vector_is_reading(s, k) ? Mat3((Mat3::Identity() - map).inverse()) : Mat3(Mat3::Identity() + map);
   if (!C.allFinite()) return std::nullopt;
   const Quat q(nearest_orthogonal(C));
   return Turn{k, -log_quat(q), std::sqrt(std::max(variance, 0.0))};
@@ -117,15 +116,15 @@ void turn_into_sensor_frame(Signals& s, const Series3& phi_rad) {
   const auto turn = [&phi_rad](Series3& x) {
     for (Eigen::Index i = 0; i < x.rows(); ++i) x.row(i) = x.row(i) * exp_so3(phi_rad.row(i).transpose());
   };
-  for (int k = 0; k < kSensors; ++k) {
+  for (const Sensor k : {kAcc, kGyr, kMag}) {
     if (s.predicted[k].rows() == 0) continue;
     s.residual[k] += s.predicted[k];  // what was taken out of it stays out
     turn(s.predicted[k]);
     s.residual[k] -= s.predicted[k];
-    if (s.exact_reference || k == kMag || !s.present[k]) turn(s.vector[k]);
+    if (!vector_is_reading(s, k)) turn(s.vector[k]);
   }
   for (Series3& axis : s.world_axis) turn(axis);
-  if (s.exact_reference || !s.present[kGyr]) turn(s.rate), turn(s.rate_dot);
+  if (!vector_is_reading(s, kGyr)) turn(s.rate), turn(s.rate_dot);
 }
 
 void turn_into_sensor_frame(Signals& s, const Vec3& phi_rad) {

@@ -18,12 +18,22 @@ constexpr double kKnown =
 /// reading itself.
 sim::TriadConfig set_right(const Signals& s, Sensor k, const Vec3& offset, const Mat3& D) {
   sim::TriadConfig out = s.triad[k];
-  const bool of_truth = s.exact_reference || k == kMag;
-  const Mat3 undo = of_truth ? Mat3((Mat3::Identity() + D).inverse()) : Mat3(Mat3::Identity() - D);
-  const Vec3 shift = of_truth ? offset : Vec3((Mat3::Identity() - D).inverse() * offset);
+  const bool of_reading = vector_is_reading(s, k);
+  const Mat3 undo = of_reading ? Mat3(Mat3::Identity() - D) : Mat3((Mat3::Identity() + D).inverse());
+  const Vec3 shift = of_reading ? Vec3(undo.inverse() * offset) : offset;
   out.bias += s.triad[k].matrix.inverse() * shift;
   out.matrix = undo * s.triad[k].matrix;
   return out;
+}
+
+/// What the readings, corrected as the simulation has it, are to the truth: (1 + D) true + offset.
+struct Wrong {
+  Vec3 offset;
+  Mat3 D;
+};
+
+Wrong wrong_in(const sim::TriadConfig& given, const sim::TriadConfig& right) {
+  return {given.matrix * (right.bias - given.bias), given.matrix * right.matrix.inverse() - Mat3::Identity()};
 }
 
 std::vector<Parameter> values_of(const sim::TriadConfig& right, const Eigen::MatrixXd& covariance, Sensor k) {
@@ -62,12 +72,14 @@ Reads reads(const Signals& s, Sensor k, const Layout& layout, const Fit& fit) {
   Eigen::Vector4d mean(1.0, 0.0, 0.0, 0.0);
   for (int axis = 0; axis < 3; ++axis)
     mean[axis + 1] = (s.vector[k].col(axis).array() * layout.counts).sum() / std::max(layout.used(), 1.0);
+  Vec3 off;
   Reads out;
-  for (int axis = 0; axis < 3; ++axis) {
-    out.off[axis] = mean.dot(fit.nuisance.segment<4>(4 * axis));
+  for (int axis = 0; axis < 3; ++axis) off[axis] = mean.dot(fit.nuisance.segment<4>(4 * axis));
+  const Vec3 truth = vector_is_reading(s, k) ? Vec3(mean.tail<3>() - off) : Vec3(mean.tail<3>());
+  out.off = s.given[k].matrix * s.triad[k].matrix.inverse() * (truth + off) - truth;
+  for (int axis = 0; axis < 3; ++axis)
     out.over_deviation += out.off[axis] * out.off[axis] /
                           std::max(mean.dot(fit.nuisance_covariance.block<4, 4>(4 * axis, 4 * axis) * mean), 1e-300);
-  }
   return out;
 }
 
@@ -91,15 +103,15 @@ void configuration_of(const Signals& s, const SensorSearch& search, const Finish
     return f.id.find("_temp_") != std::string::npos || f.id.find("_volt") != std::string::npos ||
            f.id.find("current") != std::string::npos;
   });
-  double bias = 0.0, matrix = 0.0;
-  Vec3 offset;
-  Mat3 map;
   const Eigen::VectorXd& x = finished.fit.nuisance;
   const Eigen::MatrixXd& P = finished.fit.nuisance_covariance;
+  const Eigen::Map<const Eigen::Matrix<double, 4, 3>> of_axes(x.data());
+  const sim::TriadConfig right =
+      set_right(s, search.sensor, of_axes.row(0).transpose(), of_axes.bottomRows<3>().transpose());
+  const auto [offset, map] = wrong_in(s.given[search.sensor], right);
+  double bias = 0.0, matrix = 0.0;
   for (int axis = 0; axis < 3; ++axis) {
-    offset[axis] = x[4 * axis];
-    map.row(axis) = x.segment<3>(4 * axis + 1);
-    const Eigen::Vector3d m = x.segment<3>(4 * axis + 1);
+    const Vec3 m = map.row(axis);
     bias += offset[axis] * offset[axis] / P(4 * axis, 4 * axis);
     matrix += m.dot(Mat3(P.block<3, 3>(4 * axis + 1, 4 * axis + 1)).ldlt().solve(m));
   }
@@ -129,24 +141,27 @@ void configuration_of(const Signals& s, const SensorSearch& search, const Finish
                              100 * map(1, 0), 100 * map(1, 1), 100 * map(1, 2), 100 * map(2, 0), 100 * map(2, 1),
                              100 * map(2, 2))});
   if ((!bias_off && !matrix_off) || thermal) return;
-  answer.numbers[search.sensor] = set_right(s, search.sensor, offset, map);
+  answer.numbers[search.sensor] = right;
   out.configuration.back().values = values_of(*answer.numbers[search.sensor], P, search.sensor);
 }
 
 void residual_of(const Signals& s, const SensorSearch& search, const Finished& finished, Diagnosis& out) {
   const Layout& layout = search.target.layout;
+  const Sensor k = search.sensor;
+  const Mat3 as_given = s.given[k].matrix * s.triad[k].matrix.inverse() - Mat3::Identity();
+  const Series3 before = s.residual[k] + s.reading[k] * as_given.transpose();
   for (int axis = 0; axis < 3; ++axis) {
     ChannelResidual c;
-    c.channel = fmt::format("{}_{}", kSensorName[search.sensor], kAxisName[static_cast<std::size_t>(axis)]);
+    c.channel = fmt::format("{}_{}", kSensorName[k], kAxisName[static_cast<std::size_t>(axis)]);
     const auto rms = [&](const Series& x) {
       return std::sqrt((x.array().square() * layout.counts).sum() / std::max(layout.used(), 1.0));
     };
-    c.rms_before = rms(s.residual[search.sensor].col(axis));
+    c.rms_before = rms(before.col(axis));
     c.rms_after = rms(finished.fit.leftover.col(axis));
     c.white = is_white(finished.fit.whitened.col(axis), layout);
     const double sd = std::sqrt(std::max(finished.fit.nuisance_covariance(4 * axis, 4 * axis), 0.0));
     c.smallest_seen = std::sqrt(2.0 * (charge(1, {}) + kLeastNet)) * sd;
-    c.unit = kSensorUnit[search.sensor];
+    c.unit = kSensorUnit[k];
     out.residual.push_back(c);
   }
 }

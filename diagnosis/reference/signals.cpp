@@ -44,7 +44,7 @@ void read_triads(Signals& s, const io::Recording& recording, const sim::Simulati
     const Series3 y = filled3(*raw[k]);
     s.reading[k] = (y.rowwise() - triad.bias.transpose()) * triad.matrix.transpose();
     s.noise_sd[k] = triad.noise_sd;
-    s.triad[k] = triad;
+    s.given[k] = s.triad[k] = triad;
     s.present[k] = true;
   }
 }
@@ -134,7 +134,7 @@ void choose_vectors(Signals& s, const Mask& lost) {
     hold_what_keeps_still(s);
   }
   for (int k = 0; k < kSensors; ++k) {
-    const bool predicted = s.exact_reference || !s.present[k] || k == kMag || s.from_log;
+    const bool predicted = !vector_is_reading(s, static_cast<Sensor>(k));
     s.vector[k] = predicted ? s.predicted[k] : s.reading[k];
     if (s.exact_reference || (k == kMag && !s.from_log)) continue;
     const double band_hz = band_of(s.vector[k]);
@@ -172,6 +172,10 @@ void take_prediction(Signals& s, const AlignedLog& log) {
 }
 
 }  // namespace
+
+bool vector_is_reading(const Signals& s, Sensor k) {
+  return s.present[k] && k != kMag && !s.exact_reference && !s.from_log;
+}
 
 Series3 uncorrected(const sim::TriadConfig& triad, const Series3& vector) {
   return (vector * triad.matrix.inverse().transpose()).rowwise() + triad.bias.transpose();

@@ -38,7 +38,8 @@ struct Signals {
   double gravity_mps2 = 9.80665, latitude_rad = 0.85;
   Vec3 field_world_uT = Vec3::Zero();
   std::array<bool, kSensors> present{};
-  std::array<sim::TriadConfig, kSensors> triad;  ///< H and B as configured
+  std::array<sim::TriadConfig, kSensors> given;  ///< H and B as configured
+  std::array<sim::TriadConfig, kSensors> triad;  ///< the same, H set right as far as the motion tells it
   std::array<Series3, kSensors> reading;         ///< u = H (y - B)
   std::array<Series3, kSensors> predicted;       ///< from the reference
   std::array<Series3, kSensors> residual;        ///< reading - predicted
@@ -71,6 +72,9 @@ inline constexpr double kReferenceTemperature_degC = 25.0;
 [[nodiscard]] Result<Signals> make_signals(const io::Recording& recording, const sim::SimulationConfig& simulation,
                                            const std::array<Mask, kSensors>& muted, const AlignedLog* log = nullptr,
                                            Eigen::Index rows_a_frame = 1);
+
+/// Whether `vector` is the sensor's own reading in its band, not what the reference predicts.
+[[nodiscard]] bool vector_is_reading(const Signals& s, Sensor k);
 
 /// What a sensor with these numbers reads of a vector, row by row: y = H^-1 u + B.
 [[nodiscard]] Series3 uncorrected(const sim::TriadConfig& triad, const Series3& vector);

@@ -163,7 +163,7 @@ void report_surplus_walk(const SensorSearch& search, const Signals& s, const std
   answer.surplus.push_back(id);
   if (s.triad[search.sensor].random_walk_per_sqrts <= 0) return;
   auto& numbers = answer.numbers[search.sensor];
-  if (!numbers) numbers = s.triad[search.sensor];
+  if (!numbers) numbers = s.given[search.sensor];
   numbers->random_walk_per_sqrts = 0.0;
   answer.diagnosis.notices.push_back(fmt::format(
       "{}: random_walk_per_sqrts of the simulation is not in the recording; it is 0 in the improved simulation",

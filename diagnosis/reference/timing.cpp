@@ -18,7 +18,7 @@ constexpr double kLeastDamping = 0.01;  // half of what mounts and glued parts h
 /// What a sensor with this response shows beyond the truth. When the truth is the sensor itself (a noisy reference),
 /// the response is undone instead: u - u / h.
 Series3 beyond_truth(const Signals& s, Sensor k, const Response& h) {
-  const bool from_truth = s.exact_reference || k == kMag;
+  const bool from_truth = !vector_is_reading(s, k);
   const Response low = low_pass(0.33 / s.dt_s);  // zero at Nyquist, where the inverse of a response is lost
   const Response gain = from_truth ? Response([h](double f) { return h(f) - 1.0; })
                                    : Response([h, low](double f) { return (1.0 - 1.0 / h(f)) * low(f); });
@@ -27,7 +27,7 @@ Series3 beyond_truth(const Signals& s, Sensor k, const Response& h) {
 
 /// u(t) = true(t (1 + epsilon)); when the truth is the sensor itself, the clock is set right instead.
 Series3 skewed(const Signals& s, Sensor k, double epsilon) {
-  const bool from_truth = s.exact_reference || k == kMag;
+  const bool from_truth = !vector_is_reading(s, k);
   const double rate = from_truth ? 1.0 + epsilon : 1.0 / (1.0 + epsilon);
   const double last = static_cast<double>(s.n - 1);
   const Series t_s = s.rows.even() ? Series::LinSpaced(s.n, 0.0, last * s.rows.step_s) : s.rows.t_s;

@@ -1,0 +1,14 @@
+/// The matrices of the simulation, set right where a law is seen through them.
+#pragma once
+#include "diagnosis/reference/engine.h"
+
+namespace stillpoint::diag {
+
+/// A sensor whose matrix is wrong reads A (true + what a law adds), not A true + what it adds: of a law that acts on
+/// the whole vector (a delay, a lever, a field) the difference is A - 1 times the law, and a product outside the
+/// catalogue fits it. Corrects each reading by the matrix that fits beside what was found, where that difference would
+/// be seen. Changes `triad`, the readings, residuals and what is made of them; `given` stays. True where it did: the
+/// search then has to start anew.
+[[nodiscard]] bool settle_matrices(Signals& s, const EngineResult& found);
+
+}  // namespace stillpoint::diag
