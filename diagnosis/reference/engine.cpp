@@ -3,13 +3,15 @@
 #include <algorithm>
 #include <cmath>
 
+#include "diagnosis/reference/evidence.h"
 #include "diagnosis/reference/settled_matrices.h"
 #include "diagnosis/reference/timing_in_window.h"
 
 namespace stillpoint::diag {
 namespace {
 
-constexpr int kMostEffects = 3;  // of one sensor
+constexpr int kMostEffects = 3;    // of one sensor
+constexpr int kMostSettlings = 2;  // of the matrices: the first is of a law that was fitted through the wrong ones
 constexpr double kClearNats = 3.0;
 
 bool concerns_the_clock(const Found& f) {
@@ -70,6 +72,54 @@ Shared shared_by_all(const Signals& s, EngineResult& r, Sensor lead, Found& f, s
   return Shared::kYes;
 }
 
+/// A delay of one sensor, all the time.
+struct Late {
+  Sensor sensor = kGyr;
+  std::size_t at = 0;  ///< among what was found in it
+  double tau_s = 0.0, sd_s = 0.0;
+};
+
+std::optional<Late> late(const SensorSearch& search) {
+  const std::string id = std::string(kSensorName[search.sensor]) + "_delay";
+  for (std::size_t i = 0; i < search.found.size(); ++i) {
+    if (search.found[i].id != id || search.found[i].window.local) continue;
+    const Finished finished = finish(search);
+    const Eigen::Index column = first_column(search, i);
+    return Late{search.sensor, i, finished.values[column], finished.sd[column]};
+  }
+  return std::nullopt;
+}
+
+/// Where each sensor was found late by the same time, but before what else it shows was found, it is the clock.
+void join_delays(const Signals& s, EngineResult& r) {
+  constexpr double kSame = 3.0;  // deviations
+  std::vector<Late> all;
+  for (const auto& search : r.sensor) {
+    if (!search) continue;
+    const auto one = late(*search);
+    if (!one) return;
+    all.push_back(*one);
+  }
+  if (all.size() < 2) return;
+  const Late& lead =
+      *std::min_element(all.begin(), all.end(), [](const Late& a, const Late& b) { return a.sd_s < b.sd_s; });
+  const auto same = [&lead](const Late& l) {
+    return std::abs(l.tau_s - lead.tau_s) < kSame * std::hypot(l.sd_s, lead.sd_s);
+  };
+  if (!std::all_of(all.begin(), all.end(), [&](const Late& l) { return &l == &lead || same(l); })) return;
+  Found& f = r.sensor[lead.sensor]->found[lead.at];
+  std::vector<Sensor> sensors;
+  for (const Late& l : all) {
+    sensors.push_back(l.sensor);
+    if (&l == &lead) continue;
+    take_out(*r.sensor[l.sensor], l.at);
+    if (const auto offset = same_offset(s, l.sensor, f)) r.sensor[l.sensor]->target.residual -= *offset;
+  }
+  f.id = "sys_offset";
+  std::erase_if(f.rivals, [](const Ranked& rival) { return rival.id.ends_with("_delay"); });
+  r.system.push_back({f, lead.sensor, sensors});
+}
+
 struct Search {
   EngineResult result;
   std::array<bool, kSensors> open{};
@@ -125,17 +175,17 @@ void one_round(const Signals& s, Search& search, const std::function<void(double
 EngineResult search_all(Signals& s, const std::vector<std::string>& without,
                         const std::function<void(double)>& progress) {
   Search search = begin(s, without);
-  bool settled = false;
-  int round = 0;
+  int round = 0, settled = 0;
   const auto so_far = [&](double share) { progress((round + share) / kMostEffects); };
   while (round < kMostEffects) {
     one_round(s, search, progress ? std::function<void(double)>(so_far) : progress);
     ++round;
-    if (settled || !settle_matrices(s, search.result)) continue;
-    settled = true;
+    if (settled == kMostSettlings || !settle_matrices(s, search.result)) continue;
+    ++settled;
     search = begin(s, without);
     round = 0;
   }
+  join_delays(s, search.result);
   return std::move(search.result);
 }
 

@@ -1,5 +1,6 @@
 #include "diagnosis/reference/evidence.h"
 
+#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 
@@ -71,6 +72,28 @@ void free_the_shapes(const SensorSearch& search, const Target& t, Finished& out)
   for (std::size_t k = 0; k < shaped.size(); ++k) out.shape_sd[shaped[k]] = sd[p + static_cast<Eigen::Index>(k)];
 }
 
+/// A lever along the axis of a turntable may be of 300 m: it does nothing there, and would ruin every other motion. A
+/// coefficient that is known worse than the largest of its law that is told is taken to be of that size at most (a
+/// normal prior); its interval stays as wide as the recording leaves it. The others follow as they are correlated.
+void hold_what_is_not_told(const SensorSearch& search, Finished& out) {
+  constexpr double kTold = 3.0, kFree = 1e3;  // deviations
+  for (std::size_t i = 0; i < search.found.size(); ++i) {
+    const Found& f = search.found[i];
+    const auto first = first_column(search, i), count = static_cast<Eigen::Index>(f.columns.size());
+    const bool alike = std::all_of(f.units.begin(), f.units.end(), [&f](const auto& u) { return u == f.units[0]; });
+    if (f.timing.size() > 0 || count < 2 || !alike) continue;
+    const Eigen::ArrayXd sd = out.sd.segment(first, count), size = out.values.segment(first, count).array().abs();
+    const double told = (size > kTold * sd).select(size, 0.0).maxCoeff();
+    if (told == 0.0 || (sd <= told).all()) continue;
+    const Eigen::MatrixXd fitted = out.fit.covariance.block(first, first, count, count);
+    const Eigen::ArrayXd widened = sd / fitted.diagonal().array().sqrt();
+    const Eigen::MatrixXd P = widened.matrix().asDiagonal() * fitted * widened.matrix().asDiagonal();
+    const Eigen::VectorXd prior = (sd > told).select(Eigen::ArrayXd::Constant(count, told), kFree * sd).square();
+    const Eigen::MatrixXd both = P + Eigen::MatrixXd(prior.asDiagonal());
+    out.values.segment(first, count) = prior.cwiseProduct(both.ldlt().solve(out.values.segment(first, count)));
+  }
+}
+
 }  // namespace
 
 Eigen::Index first_column(const SensorSearch& search, std::size_t index) {
@@ -94,6 +117,7 @@ Finished finish(const SensorSearch& search) {
       robust_covariance(t, explained, NoiseModel(t.layout, out.fit.leftover), out.fit.walk_q);
   if (robust.size() > 0) out.sd = out.sd.cwiseMax(robust.diagonal().cwiseMax(0.0).cwiseSqrt());
   out.sd *= estimated_colour(t, explained);
+  hold_what_is_not_told(search, out);
   for (std::size_t i = 0; i < search.found.size(); ++i)
     if (search.found[i].timing.size())
       out.values.segment(first_column(search, i), search.found[i].timing.size()) += search.found[i].timing;

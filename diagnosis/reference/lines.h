@@ -14,6 +14,9 @@ namespace stillpoint::diag {
 /// kBodyVibration where the reference may not see it and another sensor does. The gain is left to the caller.
 [[nodiscard]] std::optional<Found> line_in(const Signals& s, const SensorSearch& search);
 
+/// A line that was found, at the frequency that explains most beside all else that was found since.
+void sharpen_line(const SensorSearch& without_it, Found& line);
+
 [[nodiscard]] inline bool is_line(std::string_view id) {
   return id.ends_with("_alias") || id.ends_with("_coning") || id == "mag_line" || id == kBodyVibration;
 }

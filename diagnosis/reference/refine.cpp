@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "diagnosis/reference/golden_section.h"
+#include "diagnosis/reference/lines.h"
 #include "diagnosis/reference/timing_in_window.h"
 
 namespace stillpoint::diag {
@@ -182,6 +183,29 @@ void refine_shape(const Target& target, const Columns& explained, const std::vec
   const double high = std::log(std::next(at) == grid.end() ? grid.back() * kBeyond : *std::next(at));
   f.shape = std::exp(highest_by_golden_section(low, high, kSections, gain));
   f.columns = f.at_shape(f.shape);
+}
+
+void refine_shapes_again(SensorSearch& search) {
+  constexpr double kReach = 1.4;  // a factor; what explains more is not far from what explained most
+  constexpr int kSections = 10;
+  for (std::size_t i = 0; i + 1 < search.found.size(); ++i) {
+    Found& f = search.found[i];
+    if (f.kind == Kind::kUnknown) continue;  // its name holds the number
+    if (is_line(f.id)) {
+      SensorSearch without = search;
+      take_out(without, i);
+      sharpen_line(without, f);
+    }
+    if (!f.at_shape || f.shape_unit != "s") continue;  // a level of clipping has a kink at every sample
+    const NoiseModel noise(search.target.layout, fit_profile(search.target, search.explained()).leftover);
+    const auto gain = [&](double log_shape) {
+      f.columns = f.at_shape(std::exp(log_shape));
+      return fit_with(search.target, search.explained(), noise, {}).log_likelihood;
+    };
+    const double here = std::log(f.shape), reach = std::log(kReach);
+    f.shape = std::exp(highest_by_golden_section(here - reach, here + reach, kSections, gain));
+    f.columns = f.at_shape(f.shape);
+  }
 }
 
 std::vector<Found> refine_timing(const Signals& s, const SensorSearch& search, const std::vector<Candidate>& shortlist,

@@ -15,6 +15,10 @@ namespace stillpoint::diag {
 /// logarithm, the noise given.
 void refine_shape(const Target& target, const Columns& explained, const std::vector<double>& grid, Found& f);
 
+/// The same for what was found before the last effect, each beside all the others, from where it stands: a time
+/// constant or a frequency that was sought beside half of the physics would leave a law of its own over.
+void refine_shapes_again(SensorSearch& search);
+
 /// The timing laws, when the short list holds something that changes with the derivative of the measured vector. Their
 /// gains are left to the caller.
 [[nodiscard]] std::vector<Found> refine_timing(const Signals& s, const SensorSearch& search,

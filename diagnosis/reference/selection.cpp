@@ -256,6 +256,7 @@ void accept(SensorSearch& search, Found found) {
   if (found.id != kBodyVibration) search.first_gain = std::max(search.first_gain, found.gain_nats);
   add_to(search, std::move(found));
   if (search.found.size() < 2) return;
+  refine_shapes_again(search);
   const double all = fit_profile(search.beside_walk(), search.explained()).log_likelihood;
   for (std::size_t i = 0; i + 1 < search.found.size(); ++i) {
     SensorSearch without = search;

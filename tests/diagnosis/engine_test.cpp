@@ -107,7 +107,7 @@ TEST(Engine, FindsNothingMoreOnceTheFindingIsInTheSimulation) {
 TEST(Engine, StatesNoFilterWhoseNumbersNoSensorHas) {
   const auto config = baseline("exact", 60.0);
   const auto recording = record(config, "acc_resonance", {{"f_hz", {20.0}}, {"zeta", {0.05}}}, 9);
-  const auto signals = make_signals(recording, config, {});
+  auto signals = make_signals(recording, config, {});
   ASSERT_TRUE(signals);
   EngineResult engine = search_all(*signals, {}, {});
   ASSERT_EQ(engine.sensor[kAcc]->found.size(), 1U);

@@ -26,7 +26,7 @@ TEST(Twins, NoiseIsWhiteAgainOnceItIsWhitened) {
 
 TEST(Twins, ScoreNothingWhereTheFindingScoresHighAndKeepIt) {
   const auto config = test::baseline("exact", 40.0);
-  const Signals s = signals_of(test::record(config, "gyr_asym", {{"k", {2e-3, -2e-3, 2e-3}}}, 32), config);
+  Signals s = signals_of(test::record(config, "gyr_asym", {{"k", {2e-3, -2e-3, 2e-3}}}, 32), config);
   EngineResult result = search_all(s);
   ASSERT_EQ(result.sensor[kGyr]->found.size(), 1u);
   const double net = result.sensor[kGyr]->found[0].net_nats;
@@ -41,7 +41,7 @@ TEST(Twins, ScoreNothingWhereTheFindingScoresHighAndKeepIt) {
 TEST(Twins, DropAFindingThatNothingScoresAsHighAs) {
   const auto config = test::baseline("exact", 40.0);
   const io::Recording recording = test::record(config, "gyr_asym", {{"k", {2e-3, -2e-3, 2e-3}}}, 32);
-  const Signals s = signals_of(recording, config);
+  Signals s = signals_of(recording, config);
   EngineResult result = search_all(s);
   ASSERT_EQ(result.sensor[kGyr]->found.size(), 1u);
   result.sensor[kGyr]->found[0].net_nats = -1.0;  // as if it had scored less than noise does
