@@ -14,4 +14,7 @@ namespace stillpoint {
 /// it takes the b_i nearest to the a_i (Wahba 1965; by SVD: Markley 1988).
 [[nodiscard]] Mat3 nearest_orthogonal(const Mat3& M, double determinant = 1.0);
 
+/// The most by which M stretches or shrinks a vector, as a factor: 1 of a turn, infinite of a singular M.
+[[nodiscard]] double distortion(const Mat3& M);
+
 }  // namespace stillpoint

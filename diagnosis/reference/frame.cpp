@@ -13,6 +13,7 @@ namespace {
 constexpr double kLeast_rad = 5e-3;  // a smaller turn is a matrix that is not known better
 constexpr double kAgreeShare = 0.1;  // of the turn: wrong matrices agree so well in one of a thousand cases
 constexpr double kFloor_rad = 5e-4;
+constexpr double kNoTurn = 2.0;       // a factor by which no mount stretches
 constexpr double kSharpShare = 0.25;  // two sensors at least must know it this well
 
 struct Turn {
@@ -36,7 +37,8 @@ std::optional<Turn> turn_of(const Signals& s, Sensor k) {
   }
   // Where the sensor itself stands for the true vector, residual = u - C' u; else it is C v - v.
   const Mat3 C = vector_is_reading(s, k) ? Mat3((Mat3::Identity() - map).inverse()) : Mat3(Mat3::Identity() + map);
-  if (!C.allFinite()) return std::nullopt;
+  // An axis that nothing excites reads only what its prediction has not: a scale that says nothing of turns.
+  if (!C.allFinite() || distortion(C) > kNoTurn) return std::nullopt;
   const Quat q(nearest_orthogonal(C));
   return Turn{k, -log_quat(q), std::sqrt(std::max(variance, 0.0))};
 }

@@ -2,11 +2,14 @@
 
 #include <Eigen/LU>
 
+#include "core/directions.h"
+
 namespace stillpoint::diag {
 namespace {
 
-constexpr double kLikely = 0.05;  // deviation of an entry: of bare parts, mounted by hand
-constexpr double kSeen = 30.0;    // chi-square of the difference
+constexpr double kLikely = 0.05;   // deviation of an entry: of bare parts, mounted by hand
+constexpr double kSeen = 30.0;     // chi-square of the difference
+constexpr double kNoMatrix = 2.0;  // a factor by which no wrong matrix stretches
 
 /// residual = offset + D vector: D as far as it is known, by a prior of kLikely.
 Mat3 known_part(const Fit& fit) {
@@ -53,7 +56,7 @@ bool settle_matrices(Signals& s, const EngineResult& found) {
     const Series3 law = s.residual[k] - search.target.residual + contribution_of(search.explained(), fit.theta, s.n);
     if (!D.allFinite() || !is_seen(law * D.transpose(), search.target.layout, fit)) continue;
     const Mat3 C = vector_is_reading(s, k) ? Mat3(Mat3::Identity() - D) : Mat3((Mat3::Identity() + D).inverse());
-    if (!C.allFinite()) continue;
+    if (!C.allFinite() || distortion(C) > kNoMatrix) continue;  // of an axis that nothing excites
     correct(s, k, C);
     any = true;
   }

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <random>
 
+#include "diagnosis/reference/apparatus.h"
 #include "diagnosis/reference/engine.h"
 #include "simulated.h"
 
@@ -141,6 +142,30 @@ TEST(Untold, TheLeverAlongATurntablesAxisStaysSmall) {
   EXPECT_NEAR(number(lever, "r_x"), r[0], 1e-3);
   EXPECT_NEAR(number(lever, "r_y"), r[1], 1e-3);
   EXPECT_LT(std::abs(number(lever, "r_z")), 0.1);
+}
+
+/// Of an axis that nothing turns about, the residual is all of the reading: a scale of 2 fits, and what a map of such
+/// scales is nearest to is half a turn of the mount.
+TEST(Untold, AnOffsetThatWandersIsNoTurnOfTheMount) {
+  const auto config = baseline("exact", 60.0);
+  auto signals = make_signals(record(config, "", {}, 7), config, {});
+  ASSERT_TRUE(signals);
+  signals->exact_reference = false;  // as beside a camera, each sensor stands for its own truth
+  signals->present[kMag] = false;
+  for (const Sensor k : {kAcc, kGyr}) {
+    const double size = k == kAcc ? 9.8 : 1.0;
+    for (Eigen::Index i = 0; i < signals->n; ++i) {
+      const double t = signals->t_s[i];
+      const Vec3 table(0, 0, size * std::sin(0.9 * t)), wanders(std::sin(0.31 * t), std::cos(0.47 * t), 0);
+      signals->predicted[k].row(i) = table;
+      signals->residual[k].row(i) = 0.05 * size * wanders + 1e-3 * size * signals->residual[kGyr].row(i).transpose();
+      signals->vector[k].row(i) = table + 0.05 * size * wanders;
+    }
+    signals->reading[k] = signals->predicted[k] + signals->residual[k];
+  }
+  Answer answer;
+  find_frame(*signals, config, answer);
+  EXPECT_THAT(names(answer), testing::IsEmpty());
 }
 
 }  // namespace
