@@ -176,7 +176,8 @@ EngineResult search_all(Signals& s, const std::vector<std::string>& without,
                         const std::function<void(double)>& progress) {
   Search search = begin(s, without);
   int round = 0, settled = 0;
-  const auto so_far = [&](double share) { progress((round + share) / kMostEffects); };
+  double done = 0.0;  // what begins anew is not done again
+  const auto so_far = [&](double share) { progress(done = std::max(done, (round + share) / kMostEffects)); };
   while (round < kMostEffects) {
     one_round(s, search, progress ? std::function<void(double)>(so_far) : progress);
     ++round;

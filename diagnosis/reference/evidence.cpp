@@ -86,7 +86,7 @@ void hold_what_is_not_told(const SensorSearch& search, Finished& out) {
     const double told = (size > kTold * sd).select(size, 0.0).maxCoeff();
     if (told == 0.0 || (sd <= told).all()) continue;
     const Eigen::MatrixXd fitted = out.fit.covariance.block(first, first, count, count);
-    const Eigen::ArrayXd widened = sd / fitted.diagonal().array().sqrt();
+    const Eigen::ArrayXd widened = sd / fitted.diagonal().array().max(1e-300).sqrt();
     const Eigen::MatrixXd P = widened.matrix().asDiagonal() * fitted * widened.matrix().asDiagonal();
     const Eigen::VectorXd prior = (sd > told).select(Eigen::ArrayXd::Constant(count, told), kFree * sd).square();
     const Eigen::MatrixXd both = P + Eigen::MatrixXd(prior.asDiagonal());

@@ -232,6 +232,7 @@ void sharpen_line(const SensorSearch& without_it, Found& f) {
   const double lasts_s = static_cast<double>(f.window.end - f.window.begin) * without_it.target.rows.step_s;
   const double bin_Hz = 1.0 / (f.window.local ? lasts_s : without_it.target.duration_s);
   Found sharp = line(without_it, f.window, sharpened(without_it, f.window, f.shape, bin_Hz / 6.0));
+  if (f.id != kBodyVibration) f.id = std::move(sharp.id), f.equation = std::move(sharp.equation);
   f.shape = sharp.shape, f.shape_sd = sharp.shape_sd, f.fixed = std::move(sharp.fixed);
   f.names = std::move(sharp.names), f.columns = std::move(sharp.columns);
   f.units.assign(f.names.size(), f.unit);
