@@ -72,48 +72,47 @@ Shared shared_by_all(const Signals& s, EngineResult& r, Sensor lead, Found& f, s
   return Shared::kYes;
 }
 
-/// A delay of one sensor, all the time.
+/// Index of the sensor's own delay, all the time, among what was found.
+std::optional<std::size_t> own_delay(const SensorSearch& search) {
+  const std::string id = std::string(kSensorName[search.sensor]) + "_delay";
+  for (std::size_t i = 0; i < search.found.size(); ++i)
+    if (search.found[i].id == id && !search.found[i].window.local) return i;
+  return std::nullopt;
+}
+
 struct Late {
   Sensor sensor = kGyr;
   std::size_t at = 0;  ///< among what was found in it
   double tau_s = 0.0, sd_s = 0.0;
 };
 
-std::optional<Late> late(const SensorSearch& search) {
-  const std::string id = std::string(kSensorName[search.sensor]) + "_delay";
-  for (std::size_t i = 0; i < search.found.size(); ++i) {
-    if (search.found[i].id != id || search.found[i].window.local) continue;
-    const Finished finished = finish(search);
-    const Eigen::Index column = first_column(search, i);
-    return Late{search.sensor, i, finished.values[column], finished.sd[column]};
-  }
-  return std::nullopt;
-}
-
 /// Where each sensor was found late by the same time, but before what else it shows was found, it is the clock.
 void join_delays(const Signals& s, EngineResult& r) {
   constexpr double kSame = 3.0;  // deviations
+  const auto is_late = [](const auto& search) { return !search || own_delay(*search); };
+  if (!std::all_of(r.sensor.begin(), r.sensor.end(), is_late)) return;
   std::vector<Late> all;
   for (const auto& search : r.sensor) {
     if (!search) continue;
-    const auto one = late(*search);
-    if (!one) return;
-    all.push_back(*one);
+    const std::size_t at = *own_delay(*search);
+    const Finished finished = finish(*search);
+    const Eigen::Index column = first_column(*search, at);
+    all.push_back({search->sensor, at, finished.values[column], finished.sd[column]});
   }
   if (all.size() < 2) return;
-  const Late& lead =
-      *std::min_element(all.begin(), all.end(), [](const Late& a, const Late& b) { return a.sd_s < b.sd_s; });
-  const auto same = [&lead](const Late& l) {
-    return std::abs(l.tau_s - lead.tau_s) < kSame * std::hypot(l.sd_s, lead.sd_s);
+  std::sort(all.begin(), all.end(), [](const Late& a, const Late& b) { return a.sd_s < b.sd_s; });
+  const Late& lead = all.front();
+  const auto disagrees = [&lead](const Late& l) {
+    return std::abs(l.tau_s - lead.tau_s) > kSame * std::hypot(l.sd_s, lead.sd_s);
   };
-  if (!std::all_of(all.begin(), all.end(), [&](const Late& l) { return &l == &lead || same(l); })) return;
+  if (std::any_of(all.begin() + 1, all.end(), disagrees)) return;
   Found& f = r.sensor[lead.sensor]->found[lead.at];
-  std::vector<Sensor> sensors;
-  for (const Late& l : all) {
-    sensors.push_back(l.sensor);
-    if (&l == &lead) continue;
-    take_out(*r.sensor[l.sensor], l.at);
-    if (const auto offset = same_offset(s, l.sensor, f)) r.sensor[l.sensor]->target.residual -= *offset;
+  std::vector<Sensor> sensors{lead.sensor};
+  for (auto l = all.begin() + 1; l != all.end(); ++l) {
+    SensorSearch& other = *r.sensor[l->sensor];
+    sensors.push_back(l->sensor);
+    take_out(other, l->at);
+    if (const auto offset = same_offset(s, l->sensor, f)) other.target.residual -= *offset;
   }
   f.id = "sys_offset";
   std::erase_if(f.rivals, [](const Ranked& rival) { return rival.id.ends_with("_delay"); });

@@ -1,8 +1,9 @@
 #include "diagnosis/reference/evidence.h"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
+
+#include "diagnosis/reference/fitted_matrix.h"
 
 namespace stillpoint::diag {
 namespace {
@@ -89,8 +90,7 @@ void hold_what_is_not_told(const SensorSearch& search, Finished& out) {
     const Eigen::ArrayXd widened = sd / fitted.diagonal().array().max(1e-300).sqrt();
     const Eigen::MatrixXd P = widened.matrix().asDiagonal() * fitted * widened.matrix().asDiagonal();
     const Eigen::VectorXd prior = (sd > told).select(Eigen::ArrayXd::Constant(count, told), kFree * sd).square();
-    const Eigen::MatrixXd both = P + Eigen::MatrixXd(prior.asDiagonal());
-    out.values.segment(first, count) = prior.cwiseProduct(both.ldlt().solve(out.values.segment(first, count)));
+    out.values.segment(first, count) = under_prior(out.values.segment(first, count), P, prior);
   }
 }
 

@@ -6,6 +6,7 @@
 #include "diagnosis/finding_effect.h"
 #include "diagnosis/reference/apparatus.h"
 #include "diagnosis/reference/evidence.h"
+#include "diagnosis/reference/fitted_matrix.h"
 
 namespace stillpoint::diag {
 namespace {
@@ -13,7 +14,6 @@ namespace {
 constexpr double kLeast_rad = 5e-3;  // a smaller turn is a matrix that is not known better
 constexpr double kAgreeShare = 0.1;  // of the turn: wrong matrices agree so well in one of a thousand cases
 constexpr double kFloor_rad = 5e-4;
-constexpr double kNoTurn = 2.0;       // a factor by which no mount stretches
 constexpr double kSharpShare = 0.25;  // two sensors at least must know it this well
 
 struct Turn {
@@ -28,17 +28,12 @@ std::optional<Turn> turn_of(const Signals& s, Sensor k) {
   const Target target = make_target(s, k);
   if (target.layout.used() < 500) return std::nullopt;
   const Fit fit = fit_profile(target, {});
-  Mat3 map;
+  const Mat3 C = undoing(s, k, fitted_matrix(fit)).inverse();
+  if (is_no_matrix(C)) return std::nullopt;
   double variance = 0.0;
-  for (int axis = 0; axis < 3; ++axis) {
-    map.row(axis) = fit.nuisance.segment<3>(4 * axis + 1);
+  for (int axis = 0; axis < 3; ++axis)
     for (int j = 0; j < 3; ++j)
       if (j != axis) variance += 0.25 * fit.nuisance_covariance(4 * axis + 1 + j, 4 * axis + 1 + j);
-  }
-  // Where the sensor itself stands for the true vector, residual = u - C' u; else it is C v - v.
-  const Mat3 C = vector_is_reading(s, k) ? Mat3((Mat3::Identity() - map).inverse()) : Mat3(Mat3::Identity() + map);
-  // An axis that nothing excites reads only what its prediction has not: a scale that says nothing of turns.
-  if (!C.allFinite() || distortion(C) > kNoTurn) return std::nullopt;
   const Quat q(nearest_orthogonal(C));
   return Turn{k, -log_quat(q), std::sqrt(std::max(variance, 0.0))};
 }

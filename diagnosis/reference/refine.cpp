@@ -127,6 +127,17 @@ Found found_from(const TimingLaw& law, const TimingFit& fit, const Window& windo
   return f;
 }
 
+/// The shape between two logarithms that explains most beside the rest, the noise given.
+void shape_between(const Target& target, const Columns& rest, double low, double high, Found& f) {
+  constexpr int kSections = 12;
+  const NoiseModel noise(target.layout, fit_profile(target, joined(rest, f.columns)).leftover);
+  const auto gain = [&](double log_shape) {
+    return fit_with(target, joined(rest, f.at_shape(std::exp(log_shape))), noise, {}).log_likelihood;
+  };
+  f.shape = std::exp(highest_by_golden_section(low, high, kSections, gain));
+  f.columns = f.at_shape(f.shape);
+}
+
 }  // namespace
 
 Window refine_window(const Target& target, const Columns& explained, const Law& law, const Candidate& c,
@@ -172,39 +183,25 @@ Found found_from(const Law& law, const Candidate& c, Columns columns) {
 }
 
 void refine_shape(const Target& target, const Columns& explained, const std::vector<double>& grid, Found& f) {
-  constexpr int kSections = 12;
   constexpr double kBeyond = 1.5;
-  const NoiseModel noise(target.layout, fit_profile(target, joined(explained, f.columns)).leftover);
-  const auto gain = [&](double log_shape) {
-    return fit_with(target, joined(explained, f.at_shape(std::exp(log_shape))), noise, {}).log_likelihood;
-  };
   const auto at = std::find(grid.begin(), grid.end(), f.shape);
   const double low = std::log(at == grid.begin() ? grid.front() / kBeyond : *std::prev(at));
   const double high = std::log(std::next(at) == grid.end() ? grid.back() * kBeyond : *std::next(at));
-  f.shape = std::exp(highest_by_golden_section(low, high, kSections, gain));
-  f.columns = f.at_shape(f.shape);
+  shape_between(target, explained, low, high, f);
 }
 
 void refine_shapes_again(SensorSearch& search) {
-  constexpr double kReach = 1.4;  // a factor; what explains more is not far from what explained most
-  constexpr int kSections = 10;
+  const double reach = std::log(1.4);  // what explains more is not far from what explained most
   for (std::size_t i = 0; i + 1 < search.found.size(); ++i) {
     Found& f = search.found[i];
-    if (f.kind == Kind::kUnknown) continue;  // its name holds the number
-    if (is_line(f.id)) {
-      SensorSearch without = search;
-      take_out(without, i);
+    const bool has_time = f.at_shape && f.shape_unit == "s";  // a level of clipping has a kink at every sample
+    if (f.kind == Kind::kUnknown || (!is_line(f.id) && !has_time)) continue;  // an unknown's name holds its number
+    SensorSearch without = search;
+    take_out(without, i);
+    if (is_line(f.id))
       sharpen_line(without, f);
-    }
-    if (!f.at_shape || f.shape_unit != "s") continue;  // a level of clipping has a kink at every sample
-    const NoiseModel noise(search.target.layout, fit_profile(search.target, search.explained()).leftover);
-    const auto gain = [&](double log_shape) {
-      f.columns = f.at_shape(std::exp(log_shape));
-      return fit_with(search.target, search.explained(), noise, {}).log_likelihood;
-    };
-    const double here = std::log(f.shape), reach = std::log(kReach);
-    f.shape = std::exp(highest_by_golden_section(here - reach, here + reach, kSections, gain));
-    f.columns = f.at_shape(f.shape);
+    else
+      shape_between(search.target, without.explained(), std::log(f.shape) - reach, std::log(f.shape) + reach, f);
   }
 }
 

@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "diagnosis/reference/fitted_matrix.h"
+
 namespace stillpoint::diag {
 namespace {
 
@@ -14,14 +16,12 @@ constexpr double kOffOverVector = 2e-3;  // markers are set to milliradians
 constexpr double kKnown =
     0.01;  // deviation of an entry of a matrix, or of a bias over the vector: the tenth of a data sheet's
 
-/// The triad whose numbers are right: residual = offset + D v, of the true v where a reference gives it, else of the
-/// reading itself.
-sim::TriadConfig set_right(const Signals& s, Sensor k, const Vec3& offset, const Mat3& D) {
+/// The triad whose numbers are right.
+sim::TriadConfig set_right(const Signals& s, Sensor k, const Fit& fit) {
   sim::TriadConfig out = s.triad[k];
-  const bool of_reading = vector_is_reading(s, k);
-  const Mat3 undo = of_reading ? Mat3(Mat3::Identity() - D) : Mat3((Mat3::Identity() + D).inverse());
-  const Vec3 shift = of_reading ? Vec3(undo.inverse() * offset) : offset;
-  out.bias += s.triad[k].matrix.inverse() * shift;
+  const Mat3 undo = undoing(s, k, fitted_matrix(fit));
+  const Vec3 offset = fitted_offset(fit);
+  out.bias += s.triad[k].matrix.inverse() * (vector_is_reading(s, k) ? Vec3(undo.inverse() * offset) : offset);
   out.matrix = undo * s.triad[k].matrix;
   return out;
 }
@@ -72,9 +72,8 @@ Reads reads(const Signals& s, Sensor k, const Layout& layout, const Fit& fit) {
   Eigen::Vector4d mean(1.0, 0.0, 0.0, 0.0);
   for (int axis = 0; axis < 3; ++axis)
     mean[axis + 1] = (s.vector[k].col(axis).array() * layout.counts).sum() / std::max(layout.used(), 1.0);
-  Vec3 off;
+  const Vec3 off = fitted_offset(fit) + fitted_matrix(fit) * mean.tail<3>();
   Reads out;
-  for (int axis = 0; axis < 3; ++axis) off[axis] = mean.dot(fit.nuisance.segment<4>(4 * axis));
   const Vec3 truth = vector_is_reading(s, k) ? Vec3(mean.tail<3>() - off) : Vec3(mean.tail<3>());
   out.off = s.given[k].matrix * s.triad[k].matrix.inverse() * (truth + off) - truth;
   for (int axis = 0; axis < 3; ++axis)
@@ -103,11 +102,8 @@ void configuration_of(const Signals& s, const SensorSearch& search, const Finish
     return f.id.find("_temp_") != std::string::npos || f.id.find("_volt") != std::string::npos ||
            f.id.find("current") != std::string::npos;
   });
-  const Eigen::VectorXd& x = finished.fit.nuisance;
   const Eigen::MatrixXd& P = finished.fit.nuisance_covariance;
-  const Eigen::Map<const Eigen::Matrix<double, 4, 3>> of_axes(x.data());
-  const sim::TriadConfig right =
-      set_right(s, search.sensor, of_axes.row(0).transpose(), of_axes.bottomRows<3>().transpose());
+  const sim::TriadConfig right = set_right(s, search.sensor, finished.fit);
   const auto [offset, map] = wrong_in(s.given[search.sensor], right);
   double bias = 0.0, matrix = 0.0;
   for (int axis = 0; axis < 3; ++axis) {

@@ -1,25 +1,19 @@
 #include "diagnosis/reference/settled_matrices.h"
 
-#include <Eigen/LU>
-
-#include "core/directions.h"
+#include "diagnosis/reference/fitted_matrix.h"
 
 namespace stillpoint::diag {
 namespace {
 
-constexpr double kLikely = 0.05;   // deviation of an entry: of bare parts, mounted by hand
-constexpr double kSeen = 30.0;     // chi-square of the difference
-constexpr double kNoMatrix = 2.0;  // a factor by which no wrong matrix stretches
+constexpr double kLikely = 0.05;  // deviation of an entry: of bare parts, mounted by hand
+constexpr double kSeen = 30.0;    // chi-square of the difference
 
-/// residual = offset + D vector: D as far as it is known, by a prior of kLikely.
+/// D as far as it is known, by a prior of kLikely.
 Mat3 known_part(const Fit& fit) {
-  constexpr double kVariance = kLikely * kLikely;
-  Mat3 D;
-  for (int axis = 0; axis < 3; ++axis) {
-    const Mat3 P = fit.nuisance_covariance.block<3, 3>(4 * axis + 1, 4 * axis + 1);
-    const Vec3 d = fit.nuisance.segment<3>(4 * axis + 1);
-    D.row(axis) = kVariance * (kVariance * Mat3::Identity() + P).partialPivLu().solve(d);
-  }
+  Mat3 D = fitted_matrix(fit);
+  for (int axis = 0; axis < 3; ++axis)
+    D.row(axis) = under_prior(D.row(axis), fit.nuisance_covariance.block<3, 3>(4 * axis + 1, 4 * axis + 1),
+                              Vec3::Constant(kLikely * kLikely));
   return D;
 }
 
@@ -51,12 +45,14 @@ bool settle_matrices(Signals& s, const EngineResult& found) {
   for (const Sensor k : {kAcc, kGyr, kMag}) {
     if (!found.sensor[k]) continue;
     const SensorSearch& search = *found.sensor[k];
+    const Series3 taken_out = s.residual[k] - search.target.residual;
+    if (search.found.empty() && taken_out.isZero(0.0)) continue;
     const Fit fit = fit_profile(search.target, search.explained());
     const Mat3 D = known_part(fit);
-    const Series3 law = s.residual[k] - search.target.residual + contribution_of(search.explained(), fit.theta, s.n);
+    const Series3 law = taken_out + contribution_of(search.explained(), fit.theta, s.n);
     if (!D.allFinite() || !is_seen(law * D.transpose(), search.target.layout, fit)) continue;
-    const Mat3 C = vector_is_reading(s, k) ? Mat3(Mat3::Identity() - D) : Mat3((Mat3::Identity() + D).inverse());
-    if (!C.allFinite() || distortion(C) > kNoMatrix) continue;  // of an axis that nothing excites
+    const Mat3 C = undoing(s, k, D);
+    if (is_no_matrix(C)) continue;
     correct(s, k, C);
     any = true;
   }

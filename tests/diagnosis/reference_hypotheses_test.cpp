@@ -9,11 +9,7 @@
 namespace stillpoint::diag {
 namespace {
 
-const Finding* finding(const Answer& answer, const std::string& id) {
-  for (const Finding& f : answer.diagnosis.findings)
-    if (f.effect == id) return &f;
-  return nullptr;
-}
+using test::finding;
 
 double residual_rms(const Answer& answer, const std::string& channel) {
   for (const auto& r : answer.diagnosis.residual)

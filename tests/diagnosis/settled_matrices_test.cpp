@@ -2,12 +2,12 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <algorithm>
+#include <cmath>
 #include <random>
 
 #include "diagnosis/reference/apparatus.h"
 #include "diagnosis/reference/engine.h"
-#include "simulated.h"
+#include "tests/diagnosis/simulated.h"
 
 namespace stillpoint::diag::test {
 namespace {
@@ -46,11 +46,6 @@ double number(const Finding& f, const std::string& name) {
     if (p.name == name) return p.value;
   ADD_FAILURE() << f.effect << " has no " << name;
   return 0.0;
-}
-
-const Finding& finding(const Answer& answer, const std::string& effect) {
-  return *std::find_if(answer.diagnosis.findings.begin(), answer.diagnosis.findings.end(),
-                       [&effect](const Finding& f) { return f.effect == effect; });
 }
 
 TEST(SettledMatrices, ALatenessIsOneLawBehindWrongMatrices) {
@@ -138,7 +133,7 @@ TEST(Untold, TheLeverAlongATurntablesAxisStaysSmall) {
   }
   const Answer answer = diagnose(table, config);
   ASSERT_THAT(names(answer), testing::Contains("acc_lever"));
-  const Finding& lever = finding(answer, "acc_lever");
+  const Finding& lever = *finding(answer, "acc_lever");
   EXPECT_NEAR(number(lever, "r_x"), r[0], 1e-3);
   EXPECT_NEAR(number(lever, "r_y"), r[1], 1e-3);
   EXPECT_LT(std::abs(number(lever, "r_z")), 0.1);

@@ -62,6 +62,13 @@ void turn_reference(io::Recording& r, const Turn& at, bool in_world = false) {
   }
 }
 
+/// Of this effect; null where it was not found.
+inline const Finding* finding(const Answer& answer, const std::string& id) {
+  for (const Finding& f : answer.diagnosis.findings)
+    if (f.effect == id) return &f;
+  return nullptr;
+}
+
 inline std::vector<std::string> names(const Diagnosis& diagnosis) {
   std::vector<std::string> out;
   for (const Finding& f : diagnosis.findings) out.push_back(f.effect);
