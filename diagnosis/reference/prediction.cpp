@@ -240,6 +240,7 @@ Mask predict(Signals& s, const io::Recording& recording, Eigen::Index rows_a_fra
   const bool quiet_reference = own_jitter < kExactJitter_rad;
   wake_where_reference_moves(s.rest, m.rate, m.velocity, s.dt_s, quiet_reference);
   rest_where_reference_is_still(s.rest, s, m.rate, m.velocity, quiet_reference);
+  wake_where_both_move(s.rest, s, m.rate);
   const double jitter = rest_jitter(s, m.rate);
   s.has_rest = jitter >= 0.0;
   s.reference_jitter_rad = s.has_rest ? jitter * s.dt_s : own_jitter;

@@ -20,6 +20,16 @@ Series local_deviation(const Series3& x, Eigen::Index half) {
   return (variance / 3.0).cwiseSqrt();
 }
 
+/// Calls with [begin, end) of each rest.
+template <class Visit>
+void each_rest(const Mask& rest, const Visit& visit) {
+  const auto n = static_cast<Eigen::Index>(rest.size());
+  for (Eigen::Index begin = 0, end = 0; begin < n; begin = end + 1) {
+    for (end = begin; end < n && rest[static_cast<std::size_t>(end)];) ++end;
+    if (end > begin) visit(begin, end);
+  }
+}
+
 using Rows = Eigen::Array<bool, Eigen::Dynamic, 1>;
 
 /// As quiet as the sensor ever is, or as its noise lets it be.
@@ -81,12 +91,22 @@ void wake_where_reference_moves(Mask& rest, const Series3& rate_radps, const Ser
   const auto typical = [](const Series& x, Eigen::Index begin, Eigen::Index end) {
     return std::sqrt(quantile(x.segment(begin, end - begin), 0.5));
   };
-  for (Eigen::Index begin = 0, end = 0; begin < n; begin = end + 1) {
-    for (end = begin; end < n && rest[static_cast<std::size_t>(end)];) ++end;
-    if (end == begin || (typical(turning, begin, end) < still_radps && typical(going, begin, end) < still_mps))
-      continue;
+  each_rest(rest, [&](Eigen::Index begin, Eigen::Index end) {
+    if (typical(turning, begin, end) < still_radps && typical(going, begin, end) < still_mps) return;
     std::fill(rest.begin() + begin, rest.begin() + end, std::uint8_t{0});
-  }
+  });
+}
+
+void wake_where_both_move(Mask& rest, const Signals& s, const Series3& rate_radps) {
+  constexpr double kMost = 0.5, kSure = 3.0;  // of the reference's power; deviations of the gyroscope's noise
+  if (!s.present[kGyr]) return;
+  each_rest(rest, [&](Eigen::Index begin, Eigen::Index end) {
+    const auto seen = rate_radps.middleRows(begin, end - begin);
+    const auto read = s.reading[kGyr].middleRows(begin, end - begin);
+    const double both = (read.rowwise() - read.colwise().mean()).cwiseProduct(seen).sum();
+    if (both > kMost * seen.squaredNorm() + kSure * s.noise_sd[kGyr] * seen.norm())
+      std::fill(rest.begin() + begin, rest.begin() + end, std::uint8_t{0});
+  });
 }
 
 }  // namespace stillpoint::diag

@@ -12,6 +12,7 @@
 #include "diagnosis/sanity/rows_with_reference.h"
 #include "io/simulated_recording.h"
 #include "simulation/simulator.h"
+#include "tests/diagnosis/simulated.h"
 
 namespace stillpoint::diag {
 namespace {
@@ -186,6 +187,20 @@ TEST(Signals, TakeAReferenceOfFewDecimalsForANoisyOne) {
   const Signals s = with_decimals(200, 1e-6);
   EXPECT_FALSE(s.exact_reference) << "0.04 m/s^2, in motion only";
   EXPECT_TRUE(s.notices.empty()) << "rounding is not a vibration: " << s.notices.front();
+}
+
+/// The body turns by a few milliradians while it rests, and the gyroscope says so.
+TEST(Signals, TakeASwayThatTheGyroscopeSeesForNoNoiseOfTheReference) {
+  auto config = baseline();
+  config.reference.kind = "exact";
+  config.gyroscope->noise_sd = 3e-4;
+  io::Recording r = io::to_recording(sim::simulate(config, 5));
+  const double rate_radps = 2e-3, w_radps = 3.0;
+  test::turn_reference(r, [&](double t_s) { return Vec3(rate_radps / w_radps * std::sin(w_radps * t_s), 0, 0); });
+  EXPECT_FALSE(make_signals(r, config, {})->exact_reference) << "the reference sways alone";
+  for (std::size_t i = 0; i < r.size(); ++i)
+    r.gyr_radps[i].x() += rate_radps * std::cos(w_radps * (r.t_s(i) - r.t_s(0)));
+  EXPECT_TRUE(make_signals(r, config, {})->exact_reference);
 }
 
 TEST(Differences, CarryAVibrationOfAFifthOfTheRateAndSayWhereTheyFail) {
