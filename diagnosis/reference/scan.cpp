@@ -117,8 +117,10 @@ double Scan::gain(const Sums& sums, Eigen::Index first, Eigen::Index last) const
   const Eigen::MatrixXd base = sums.base[b] - sums.base[a];
   const Eigen::VectorXd r = sums.residual[b] - sums.residual[a];
   Eigen::MatrixXd A = full - base * base.transpose();
-  // A direction that the base explains almost wholly (a constant, a linear map) has no power of its own.
-  for (Eigen::Index i = 0; i < A.rows(); ++i) A(i, i) += 1e-6 * full(i, i) + 1e-280;
+  // A direction that the base explains almost wholly (a constant, a linear map) has no power of its own, nor one whose
+  // driver is zero in the window but for the rounding of the sums.
+  const Eigen::MatrixXd& all = sums.self.back();
+  for (Eigen::Index i = 0; i < A.rows(); ++i) A(i, i) += 1e-6 * full(i, i) + 1e-10 * all(i, i) + 1e-280;
   return 0.5 * r.dot(A.ldlt().solve(r));
 }
 
