@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cmath>
+#include <numbers>
 #include <numeric>
 
 namespace stillpoint::diag {
@@ -96,6 +97,15 @@ double noise_of_second_derivative(double sd, double dt_s) {
   static const Weights c = weights(2, kReach);
   const double centre = 2.0 * std::accumulate(c.begin(), c.end(), 0.0);
   return sd * std::sqrt(centre * centre + 2.0 * std::inner_product(c.begin(), c.end(), c.begin(), 0.0)) / (dt_s * dt_s);
+}
+
+double gain_of_difference(int order, double frequency_hz, double dt_s) {
+  const Weights c = weights(order, kReach);
+  const double angle = 2.0 * std::numbers::pi * frequency_hz * dt_s;
+  double sum = 0.0;
+  for (int k = 1; k <= kReach; ++k)
+    sum += 2.0 * c[static_cast<std::size_t>(k - 1)] * (order == 1 ? std::sin(k * angle) : 1.0 - std::cos(k * angle));
+  return sum / (order == 1 ? angle : angle * angle);
 }
 
 Series derivative_error(const Series3& x, const RowTimes& rows) { return error_of_order(1, x, rows) / rows.step_s; }

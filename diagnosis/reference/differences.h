@@ -17,6 +17,9 @@ inline constexpr Eigen::Index kStencilReach = 8;
 [[nodiscard]] double noise_of_derivative(double sd, double dt_s);
 [[nodiscard]] double noise_of_second_derivative(double sd, double dt_s);
 
+/// Of a swing at this frequency: the difference of even rows over the true derivative of this order (1 or 2).
+[[nodiscard]] double gain_of_difference(int order, double frequency_hz, double dt_s);
+
 /// What the next shorter stencil gives differently: the size of the error of the derivatives above, up to a factor of
 /// ten.
 [[nodiscard]] Series derivative_error(const Series3& x, const RowTimes& rows);

@@ -32,6 +32,17 @@ TEST(FoldedVibration, IsPredictedWithItsOwnFrequency) {
   }
 }
 
+/// An engine of 24 Hz: the differences of 50 rows a second see two thirds of its acceleration.
+TEST(FoldedVibration, NearHalfTheRateIsPredictedWithWhatTheDifferencesMiss) {
+  auto config = test::baseline("exact", 60.0);
+  config.motion->kind = "vehicle";
+  for (const std::uint64_t seed : {5, 6}) {
+    const Answer answer = diagnose(test::record(config, "", {}, seed), config);
+    EXPECT_THAT(test::names(answer), IsEmpty()) << seed;
+    EXPECT_THAT(answer.diagnosis.notices, Contains(HasSubstr("vibrates at 24 Hz, which 50 rows a second hardly")));
+  }
+}
+
 TEST(FoldedVibration, HidesNoPhysicsBesideIt) {
   const auto config = drone(100.0, 0.0);
   const test::Parameters gsens{{"G_radps_per_mps2", {2e-3, 0, 0, 0, -2e-3, 0, 0, 0, 1e-3}}};
