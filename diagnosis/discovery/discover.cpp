@@ -71,6 +71,13 @@ double gain_of_no_law(const SensorSearch& search) {
   return gain;
 }
 
+double gain_for_a_while(const SensorSearch& search) {
+  double gain = 0.0;
+  for (const Found& f : search.found)
+    if (f.kind == Kind::kNamed && is_open(f)) gain += f.gain_nats;
+  return gain;
+}
+
 struct Discovered {
   SensorSearch search;
   double bits = 0.0, gain = 0.0;
@@ -216,15 +223,23 @@ void discover_in(const Signals& s, SensorSearch& sensor) {
   LawSearch laws(s, sensor.sensor, lines_hz, sensor.moments_s);
   if (!open && !drifts && lines_hz.empty() && laws.most(sensor) < kWorthLooking * kSpeaks) return;
   std::optional<Discovered> best;
-  // A name that begins and ends for no reason, on data that cannot tell it from a formula, is the formula.
-  const bool for_a_while = any([](const Found& f) { return is_open(f) && f.kind == Kind::kNamed; });
-  const double lead = for_a_while ? -kAlikeLeast : kBetter;
+  // A name that begins and ends for no reason, on data that cannot tell it from a formula, is the formula, unless that
+  // begins and ends for no more reason.
+  const double for_a_while = gain_for_a_while(sensor);
+  const double lead = for_a_while > 0.0 ? -kAlikeLeast : kBetter;
+  const double clearly = for_a_while > 0.0 ? std::max(kBetterThanNames, kAlikeShare * for_a_while) : 0.0;
   double most = worth(sensor, 0.0) + lead - kShareOfATable * gain_of_no_law(sensor);
+  const auto value_of = [&](const Discovered& d, double margin) {
+    const auto& found = d.search.found;
+    const bool no_better =
+        std::any_of(found.begin(), found.end(), [](const Found& f) { return is_a_window_itself(f.id); });
+    return worth(d.search, d.bits) - (no_better ? std::max(margin, clearly) : margin);
+  };
   const auto consider = [&](const SensorSearch& base, double least, double margin) {
     for (const bool event : {false, true}) {
       if (event && sensor.moments_s.empty()) continue;
       auto d = terms_beside(s, laws, base, least, event);
-      const double value = d ? worth(d->search, d->bits) - margin : most;
+      const double value = d ? value_of(*d, margin) : most;
       if (value > most) most = value, best = std::move(d);
     }
   };

@@ -68,6 +68,7 @@ class Ideas {
       add_matrix("d(" + v + ")");  // axis by axis of the reading itself it is a delay
       both("lag(" + v + ", {})", lags(kLongestOfMotion), "tau");
       add_powers(v);
+      add("norm(d(" + v + "))"), add("norm(d(" + v + "))^2");
       for (const auto& c : components_) add_matrix(v + " * " + c);
       for (const auto& x : scalars_) {
         both(v + " * " + x);

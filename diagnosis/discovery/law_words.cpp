@@ -96,6 +96,12 @@ std::optional<laws::Node> law_tree(const std::string& effect) {
   return tree ? std::optional(std::move(*tree)) : std::nullopt;
 }
 
+bool is_a_window_itself(const std::string& effect) {
+  const std::size_t moment = effect.find("step(t,");
+  if (moment == std::string::npos || !law_tree(effect)) return false;
+  return effect.find("step(") < moment || effect.rfind("step(") > moment;
+}
+
 std::optional<nlohmann::ordered_json> law_json(const Finding& finding) {
   const auto tree = law_tree(finding.effect);
   if (!tree) return std::nullopt;

@@ -19,6 +19,10 @@ namespace stillpoint::diag {
 /// The law itself, of a table its driver; nullopt where what stands behind "unknown:" is none.
 [[nodiscard]] std::optional<laws::Node> law_tree(const std::string& effect);
 
+/// Whether it is switched on at a moment and off by a driver: then it begins and ends for no more reason than a law in
+/// a window.
+[[nodiscard]] bool is_a_window_itself(const std::string& effect);
+
 /// The member "law" of a finding (docs/formats.md); nullopt where its effect is no discovered law.
 [[nodiscard]] std::optional<nlohmann::ordered_json> law_json(const Finding& finding);
 

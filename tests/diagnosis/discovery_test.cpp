@@ -105,6 +105,19 @@ TEST(Discovery, ACleanRecordingGivesNoLaw) {
 }
 
 /// Ripple of a motor's current: a line of which the size is the current's.
+TEST(Discovery, TheSizeOfTheAngularAccelerationIsADriver) {
+  EXPECT_LT(left_on_another_motion(
+                with_law("  - {effect: law, sensor: acc, law: \"norm(d(w))\", k: [-0.01, 0.008, -0.009]}"), Of::kAcc),
+            0.1);
+}
+
+TEST(Discovery, ALawThatAMomentAndADriverSwitchIsAWindowItself) {
+  EXPECT_TRUE(is_a_window_itself("unknown:abs(f) * step(t, 22.8) * step(d(T), 0.08)"));
+  EXPECT_TRUE(is_a_window_itself("unknown:w * step(w_y, -0.6) * step(t, 22.8)"));
+  EXPECT_FALSE(is_a_window_itself("unknown:step(t, 21.7) * exp(-(t - 21.7) / 2.4)"));
+  EXPECT_FALSE(is_a_window_itself("unknown:m * step(I, 0.9)"));
+}
+
 TEST(Discovery, ALineThatFollowsTheCurrentIsALawOfIt) {
   EXPECT_LT(
       left_on_another_motion(
