@@ -1,9 +1,10 @@
 /// Rounded figures and texts that lie in tests/golden: a change of behaviour shows as a diff and must be committed. To
 /// write them anew: STILLPOINT_WRITE_GOLDEN=1 build/release/tests/test_fusion --gtest_filter='Golden*', and the same
-/// with test_calib_online, test_io, test_pipeline, test_simulation and test_sources.
+/// with test_calib_online, test_diagnosis, test_io, test_pipeline, test_simulation and test_sources.
 #pragma once
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <cstdlib>
@@ -54,6 +55,31 @@ inline void check_golden_text(const std::string& name, const std::string& text) 
 struct GoldenTolerance {
   double absolute = 2e-6, relative = 0.0;
 };
+
+/// Words and the numbers among them: every letter counts, a number but to one part in a hundred and one unit of what is
+/// small beside it.
+inline void check_golden_words(const std::string& name, const std::string& text) {
+  if (write_golden(name, text)) GTEST_SKIP() << "LOUD: SKIPPED, wrote " << golden_path(name);
+  std::ifstream file(golden_path(name));
+  std::istringstream now(text);
+  std::string stored_word, word;
+  int count = 0;
+  while (file >> stored_word) {
+    ++count;
+    ASSERT_TRUE(now >> word) << golden_path(name) << ": the answer ends before \"" << stored_word << '"';
+    if (word == stored_word) continue;
+    const auto number = [](const std::string& w, double& x) {
+      char* end = nullptr;
+      x = std::strtod(w.c_str() + std::min(w.find_first_not_of("([{"), w.size()), &end);
+      return std::string(end);
+    };
+    double stored = 0.0, here = 0.0;
+    ASSERT_EQ(number(stored_word, stored), number(word, here)) << golden_path(name) << ": word " << count;
+    ASSERT_NEAR(stored, here, 0.01 * std::abs(stored) + 1e-7) << golden_path(name) << ": word " << count;
+  }
+  EXPECT_FALSE(now >> word) << golden_path(name) << ": the answer goes on with \"" << word << '"';
+  EXPECT_GT(count, 30) << golden_path(name);
+}
 
 inline void check_golden(const std::string& name, const std::string& trace, const GoldenTolerance& tolerance = {}) {
   const std::string path = golden_path(name);

@@ -21,6 +21,19 @@ double nats_beside_walk(const SensorSearch& search, std::size_t index, const Fin
   return 0.5 * theta.dot(covariance.ldlt().solve(theta));
 }
 
+/// From the first to the last half second whose mean power is above the limit. Whatever lasts so long drowns in a
+/// minute's mean.
+std::optional<Window> bursts(const Eigen::ArrayXd& power, const Eigen::ArrayXd& counts, double dt_s, double limit) {
+  const auto rows = std::max<Eigen::Index>(1, std::lround(0.5 / dt_s));
+  std::optional<Window> out;
+  for (Eigen::Index begin = 0; begin + rows <= power.size(); begin += rows) {
+    const double count = counts.segment(begin, rows).sum();
+    if (count < 0.5 * static_cast<double>(rows) || power.segment(begin, rows).sum() < limit * count) continue;
+    out = Window{true, out ? out->begin : begin, begin + rows};
+  }
+  return out;
+}
+
 }  // namespace
 
 bool drifts(const SensorSearch& search, const Finished& finished) {
@@ -61,20 +74,21 @@ bool walks_as_given(const Signals& s, Sensor sensor, const Finished& finished) {
   return *std::max_element(q.begin(), q.end()) < kWithin * (given.random_walk_per_sqrts + flicker);
 }
 
-bool much_is_left(const Signals& s, const SensorSearch& search, const Finished& finished, const Diagnosis& told) {
-  constexpr double kTimesTheNoise = 2.0;
+std::optional<Window> left_over(const Signals& s, const SensorSearch& search, const Finished& finished,
+                                const Diagnosis& told) {
+  constexpr double kTimesTheNoise = 2.0, kTimesInABurst = 4.0, kShort = 0.5;
   double noise_sd = s.noise_sd[search.sensor];
-  if (!s.exact_reference || s.unresolved[search.sensor] || noise_sd <= 0) return false;
+  if (!s.exact_reference || s.unresolved[search.sensor] || noise_sd <= 0) return std::nullopt;
   for (const NoiseFault& n : told.noise)
     if (n.channel.starts_with(kSensorName[search.sensor])) noise_sd = std::max(noise_sd, n.measured);
   const Layout& layout = search.target.layout;
-  double power = 0.0;
-  bool white = true;
-  for (int axis = 0; axis < 3; ++axis) {
-    power += (finished.fit.leftover.col(axis).array().square() * layout.counts).sum() / std::max(layout.used(), 1.0);
-    white = white && is_white(finished.fit.whitened.col(axis), layout);
-  }
-  return !white && std::sqrt(power / 3.0) > kTimesTheNoise * noise_sd;
+  const Eigen::ArrayXd power = finished.fit.leftover.rowwise().squaredNorm().array() * layout.counts / 3.0;
+  if (const auto w = bursts(power, layout.counts, s.dt_s, std::pow(kTimesInABurst * noise_sd, 2)))
+    return static_cast<double>(w->end - w->begin) < kShort * static_cast<double>(s.n) ? *w : Window{};
+  const bool white = is_white(finished.fit.whitened.col(0), layout) && is_white(finished.fit.whitened.col(1), layout) &&
+                     is_white(finished.fit.whitened.col(2), layout);
+  const bool much = std::sqrt(power.sum() / std::max(layout.used(), 1.0)) > kTimesTheNoise * noise_sd;
+  return much && !white ? std::optional(Window{}) : std::nullopt;
 }
 
 }  // namespace stillpoint::diag

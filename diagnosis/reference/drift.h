@@ -1,5 +1,7 @@
 /// Laws against a random walk that is there: "no driver survives once the random walk is in the noise model".
 #pragma once
+#include <optional>
+
 #include "diagnosis/reference/evidence.h"
 
 namespace stillpoint::diag {
@@ -20,8 +22,9 @@ namespace stillpoint::diag {
 /// minutes (equal powers at the period of the recording).
 [[nodiscard]] bool walks_as_given(const Signals& s, Sensor sensor, const Finished& finished);
 
-/// Beside an exact reference all that is left should be the sensor's noise. `told`: with the noise as measured at rest.
-[[nodiscard]] bool much_is_left(const Signals& s, const SensorSearch& search, const Finished& finished,
-                                const Diagnosis& told);
+/// Beside an exact reference all that is left should be the sensor's noise: where more is, for a while or throughout;
+/// none where it is not. `told`: with the noise as measured at rest.
+[[nodiscard]] std::optional<Window> left_over(const Signals& s, const SensorSearch& search, const Finished& finished,
+                                              const Diagnosis& told);
 
 }  // namespace stillpoint::diag

@@ -58,12 +58,12 @@ void parameters_of(const SensorSearch& search, std::size_t index, const Finished
   out.parameters.push_back({f.shape_name, f.shape, {f.shape - half, f.shape + half}, f.shape_unit});
 }
 
-void describe_time(const Signals& s, const Found& f, Finding& out) {
-  const double begin = begin_of_row_s(s, f.window.begin), end = begin_of_row_s(s, f.window.end);
-  out.interval_s = f.window.local ? std::array{begin, end} : std::array{0.0, begin_of_row_s(s, s.n)};
-  if (!f.window.local)
+void describe_time(const Signals& s, const Window& window, Finding& out) {
+  const double begin = begin_of_row_s(s, window.begin), end = begin_of_row_s(s, window.end);
+  out.interval_s = window.local ? std::array{begin, end} : std::array{0.0, begin_of_row_s(s, s.n)};
+  if (!window.local)
     out.regime = "all the time";
-  else if (f.window.end >= s.n)
+  else if (window.end >= s.n)
     out.regime = fmt::format("from {:.1f} s on", begin);
   else
     out.regime = fmt::format("between {:.1f} and {:.1f} s only", begin, end);
@@ -117,7 +117,7 @@ Finding finding_from(const Signals& s, const SensorSearch& search, std::size_t i
   out.effect = f.id;
   out.equation = f.equation;
   out.driver = f.driver;
-  describe_time(s, f, out);
+  describe_time(s, f.window, out);
   channels_of(search, index, finished, out);
   parameters_of(search, index, finished, out);
   out.held_out = std::move(held_out);
@@ -279,8 +279,9 @@ void report_sensor(const Signals& s, const EngineResult& engine, Sensor sensor,
   const bool piece = slow && locals(search) > 0 && !missing_drivers(s, sensor).empty();
   const bool switched = locals(search) >= 2 || piece;
   if (switched) findings.push_back(switching_finding(finding_from(s, search, 0, finished, {}), s, search));
-  const Stated stated = switched ? Stated{} : stated_of(s, search, finished, answer.diagnosis.notices);
-  for (std::size_t i = 0; i < stated.search.found.size(); ++i) {
+  const Stated stated =
+      switched ? Stated{search, finished, {}} : stated_of(s, search, finished, answer.diagnosis.notices);
+  for (std::size_t i = 0; i < stated.held_out.size(); ++i) {
     const Found& f = stated.search.found[i];
     if (f.kind == Kind::kConfiguration) continue;
     // The remainder of an effect already told, here or by the sensor that sees it best, is the same effect.
@@ -302,22 +303,25 @@ void report_sensor(const Signals& s, const EngineResult& engine, Sensor sensor,
   }
   // What drifts beside an unknown law is what its product leaves of it.
   // An autoregression may take a large misfit for its own memory: nothing drifts then, and yet the channel is no noise.
-  const bool silent = findings.empty() && search.found.empty();
-  if ((drifting || silent) && !switched && !search.has_unknown() &&
-      much_is_left(s, search, finished, answer.diagnosis)) {
-    findings.push_back(remainder_finding(s, search));
+  const bool silent = findings.empty() && stated.search.found.empty();
+  const auto left = (drifting || silent) && !switched && !stated.search.has_unknown()
+                        ? left_over(s, stated.search, stated.finished, answer.diagnosis)
+                        : std::nullopt;
+  if (left) {
+    findings.push_back(remainder_finding(search));
+    describe_time(s, *left, findings.back());
   } else if (drifting && !switched && !search.has_unknown() && !contains(given, drift_id(sensor))) {
     findings.push_back(drift_finding(s, search, finished));
     effects.push_back(drift_effect(sensor, finished));
   } else if (std::none_of(findings.begin(), findings.end(), has_no_model)) {
-    if (auto left = wanders_at_rest(s, search, finished)) findings.push_back(std::move(*left));
+    if (auto wanders = wanders_at_rest(s, search, finished)) findings.push_back(std::move(*wanders));
   }
   tell_swings(s, search, finished, answer.diagnosis);
   if (std::any_of(search.found.begin(), search.found.end(), [](const Found& f) { return is_line(f.id); }))
     without_noise_of(search.sensor, answer.diagnosis);
   for (auto& f : findings) answer.diagnosis.findings.push_back(std::move(f));
   for (auto& e : effects) answer.effects.push_back(std::move(e));
-  report_remainder(s, search, finished, answer);
+  report_remainder(s, stated.search, stated.finished, answer);
   heat_of(s, search, answer.diagnosis);
   for (const Ranked& r : search.ranking) answer.diagnosis.ranking.push_back({r.id, r.gain_nats});
 }

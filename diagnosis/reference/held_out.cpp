@@ -1,3 +1,5 @@
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 
@@ -6,7 +8,11 @@
 namespace stillpoint::diag {
 namespace {
 
-constexpr double kFold_s = 4.0;    // blocks beside each other, every second one left out
+constexpr double kFold_s = 4.0;  // blocks beside each other, every second one left out
+// What acts for a while, but for so long and so strongly, in so many pieces, one left out: half of it may not show all
+// coefficients.
+constexpr double kLongWindow_s = 8.0, kStrong_nats = 100.0;
+constexpr int kPiecesOfAWindow = 3;
 constexpr double kRegime_s = 1.0;  // a motion, a pose
 constexpr int kRegimes = 4, kRounds = 20;
 constexpr double kLeastRegime = 0.08;  // of the blocks; fewer are no test
@@ -16,6 +22,7 @@ struct Folds {
   std::vector<int> of_row;
   int count = 2;
   Eigen::Index block = 1;
+  bool of_regimes = false;
 };
 
 double rms_over(const Series3& x, const Eigen::ArrayXd& counts) {
@@ -44,10 +51,11 @@ Series3 left_by(const Target& full, const Columns& columns, const NoiseModel& no
   return fit_with(part, columns, noise, {}).leftover;
 }
 
-Folds beside_each_other(const Target& t) {
+Folds beside_each_other(const Target& t, double block_s = kFold_s, int count = 2) {
   Folds f;
-  f.block = std::max<Eigen::Index>(1, std::lround(kFold_s / t.rows.step_s));
-  for (Eigen::Index i = 0; i < t.layout.n; ++i) f.of_row.push_back(static_cast<int>((i / f.block) % 2));
+  f.count = count;
+  f.block = std::max<Eigen::Index>(1, std::lround(block_s / t.rows.step_s));
+  for (Eigen::Index i = 0; i < t.layout.n; ++i) f.of_row.push_back(static_cast<int>((i / f.block) % count));
   return f;
 }
 
@@ -118,10 +126,28 @@ Folds by_regime(const Target& t, const Columns& columns) {
   f.block = std::max<Eigen::Index>(1, std::lround(kRegime_s / t.rows.step_s));
   std::vector<int> of_block = regimes_of(looks_of(t, columns, f.block));
   if (of_block.empty()) return f;
+  f.of_regimes = true;
   split_the_largest(of_block);
   f.count = 1 + *std::max_element(of_block.begin(), of_block.end());
   for (Eigen::Index i = 0; i < t.layout.n; ++i) f.of_row.push_back(of_block[static_cast<std::size_t>(i / f.block)]);
   return f;
+}
+
+/// Pieces of the shortest window, for what acts for a while; else kinds of motion where there are several.
+Folds folds_for(const SensorSearch& search, const std::vector<std::size_t>& effects, const Columns& own) {
+  const Target& t = search.target;
+  double shortest_s = HUGE_VAL, weakest_nats = HUGE_VAL;
+  for (const std::size_t e : effects) {
+    const Found& f = search.found[e];
+    if (!f.window.local) continue;
+    shortest_s = std::min(shortest_s, static_cast<double>(f.window.end - f.window.begin) * t.rows.step_s);
+    weakest_nats = std::min(weakest_nats, f.gain_nats);
+  }
+  if (shortest_s < kLongWindow_s || weakest_nats < kStrong_nats) return beside_each_other(t);
+  if (shortest_s < HUGE_VAL)
+    return beside_each_other(t, std::min(shortest_s / kPiecesOfAWindow, kFold_s), kPiecesOfAWindow);
+  Folds folds = by_regime(t, own);
+  return folds.of_regimes ? folds : beside_each_other(t);
 }
 
 /// Squared whitened deviations a row, of the three axes, each row with coefficients of the folds that it is not in.
@@ -205,11 +231,9 @@ HeldOut held_out_by_regime(const SensorSearch& search, const std::vector<std::si
   const Columns all = search.explained();
   Columns own;
   for (const std::size_t e : effects) own = joined(std::move(own), search.found[e].columns);
-  const bool local =
-      std::any_of(effects.begin(), effects.end(), [&](std::size_t e) { return search.found[e].window.local; });
-  Folds folds = local ? Folds{} : by_regime(t, own);
-  out.on = folds.of_row.empty() ? "blocks of 4 s" : "regimes";
-  if (folds.of_row.empty()) folds = beside_each_other(t);
+  const Folds folds = folds_for(search, effects, own);
+  out.on = folds.of_regimes ? "regimes"
+                            : fmt::format("blocks of {:.2g} s", static_cast<double>(folds.block) * t.rows.step_s);
   const NoiseModel noise(t.layout, fit_profile(t, all).leftover);
   const Series3 best = fit_with(t, all, noise, {}).leftover;
   Series floor = Series::Zero(t.layout.n);

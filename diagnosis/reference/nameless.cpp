@@ -20,14 +20,12 @@ std::string missing_drivers(const Signals& s, Sensor k) {
   return fmt::format("{}", fmt::join(missing, " and "));
 }
 
-Finding remainder_finding(const Signals& s, const SensorSearch& search) {
+Finding remainder_finding(const SensorSearch& search) {
   Finding out;
   out.effect = "unknown:u(t)";
   out.driver = "something that no recorded quantity drives";
   out.equation = "delta = u, of no known form";
   for (const char* axis : kAxisName) out.channels.push_back(std::string(kSensorName[search.sensor]) + "_" + axis);
-  out.interval_s = {0.0, s.duration_s()};
-  out.regime = "all the time";
   out.held_out.unit = kSensorUnit[search.sensor];
   out.decided_by = "record slow motion through every attitude, and every quantity that could drive it";
   return out;

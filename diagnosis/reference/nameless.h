@@ -11,8 +11,8 @@ namespace stillpoint::diag {
 /// The columns that the recording lacks and that could drive what this sensor shows, for a sentence; empty: none.
 [[nodiscard]] std::string missing_drivers(const Signals& s, Sensor k);
 
-/// What is left is no walk, whatever a walk gains.
-[[nodiscard]] Finding remainder_finding(const Signals& s, const SensorSearch& search);
+/// What is left is no walk, whatever a walk gains. When is left to the caller.
+[[nodiscard]] Finding remainder_finding(const SensorSearch& search);
 
 /// Several events of one sensor, told as one: `first` is the strongest.
 [[nodiscard]] Finding switching_finding(Finding first, const Signals& s, const SensorSearch& search);

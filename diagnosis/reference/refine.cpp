@@ -17,7 +17,8 @@ constexpr std::size_t kMostStretches = 2;  // in which a sensor's own delay is s
 constexpr double kNatsForAnEdge = 6.0;     // logarithm of the places it could have
 
 /// Where a gap of the fitted length begins, to the sample: the evidence summed up has its turning point there.
-Eigen::Index refine_gap(const Signals& s, const SensorSearch& search, const NoiseModel& noise, Eigen::Index begin) {
+Eigen::Index refine_gap_once(const Signals& s, const SensorSearch& search, const NoiseModel& noise,
+                             Eigen::Index begin) {
   const auto gap_law = [&](Eigen::Index from) {
     for (TimingLaw& law : make_timing_laws(s, search.sensor, from))
       if (law.id == "sys_gap") return law;
@@ -28,16 +29,27 @@ Eigen::Index refine_gap(const Signals& s, const SensorSearch& search, const Nois
   if (fit.gain_nats < 0) return begin;
   Target shifted = search.target;
   shifted.residual -= fit.delta;
-  const Series3 without = fit_with(shifted, search.explained(), noise, {}).leftover + fit.delta;
+  const Series3 left = fit_with(shifted, search.explained(), noise, {}).leftover, without = left + fit.delta;
   const Series3 with = without - everywhere.delta(fit.parameters);
   Series evidence = Series::Zero(s.n);
+  const NoiseModel beside(search.target.layout, left);  // as for the edges of a window, below
   for (int axis = 0; axis < 3; ++axis)
-    evidence += noise.whiten(search.target.layout, without.col(axis), axis).cwiseAbs2() -
-                noise.whiten(search.target.layout, with.col(axis), axis).cwiseAbs2();
+    evidence += beside.whiten(search.target.layout, without.col(axis), axis).cwiseAbs2() -
+                beside.whiten(search.target.layout, with.col(axis), axis).cwiseAbs2();
   for (Eigen::Index i = 1; i < s.n; ++i) evidence[i] += evidence[i - 1];
   Eigen::Index at = 0;
   evidence.minCoeff(&at);
-  return std::clamp<Eigen::Index>(at, 1, s.n - 1);
+  return std::clamp<Eigen::Index>(at + 1, 1, s.n - 1);  // the last row without it was `at`
+}
+
+/// A row off leaves thousands of nats, which the noise model takes for its colour.
+Eigen::Index refine_gap(const Signals& s, const SensorSearch& search, const NoiseModel& noise, Eigen::Index begin) {
+  for (int step = 0; step < kEdgeSteps; ++step) {
+    const Eigen::Index moved = refine_gap_once(s, search, noise, begin);
+    if (moved == begin) break;
+    begin = moved;
+  }
+  return begin;
 }
 
 /// One pass: the best edges within reach of the given ones, or anywhere between them: where the body rests for seconds
@@ -214,8 +226,10 @@ std::vector<Found> refine_timing(const Signals& s, const SensorSearch& search, c
     const Law& law = search.law(c.law);
     if (law.kind != Kind::kTiming) continue;
     wanted = true;
-    if (law.id == "sys_gap" && c.window.end == s.n && gap_begin == 0)
-      gap_begin = refine_window(search.target, search.explained(), law, c, noise).begin;
+    if (law.id == "sys_gap" && gap_begin == 0) {
+      const Window since = refine_window(search.target, search.explained(), law, c, noise);
+      if (since.end == s.n) gap_begin = since.begin;
+    }
     if (search.delays_in_windows && law.id != "sys_gap" && c.window.local && stretches.size() < kMostStretches)
       stretches.push_back(&c);
   }

@@ -102,13 +102,29 @@ std::vector<Candidate> short_list(const SensorSearch& search, const Judge& judge
   return out;
 }
 
-bool pays(const SensorSearch& search, const Found& best) {
+/// Whether beside it nothing is left but the sensor's own noise. What an inexact model of a large effect leaves over is
+/// no law, and leaves some of it.
+bool leaves_only_noise(const Signals& s, const SensorSearch& search, const Found& law) {
+  constexpr double kOverNoise = 1.35;  // noises are configured to a fifth
+  const double sd = s.noise_sd[search.sensor];
+  Target t = search.target;
+  if (law.offset.size()) t.residual -= law.offset;
+  const Series3 left =
+      fit_profile(t, law.offset.size() ? search.explained() : joined(search.explained(), law.columns)).leftover;
+  const Eigen::Array3d power =
+      (left.array().square().colwise() * t.layout.counts).colwise().sum() / std::max(t.layout.used(), 1.0);
+  return s.exact_reference && sd > 0 && power.sqrt().maxCoeff() < kOverNoise * sd;
+}
+
+bool pays(const Signals& s, const SensorSearch& search, const Found& best) {
   const double least_share = search.has_unknown() ? kLeastShareBesideUnknown : kLeastShareOfFirst;
   const bool free_form = is_unknown(best.id);  // there are more products than laws
   const double least = best.window.local && !free_form      ? kLeastNetLocal
                        : search.first_gain > 0 || free_form ? kLeastNetBeside
                                                             : kLeastNet;
-  if (best.net_nats < least || best.gain_nats < least_share * search.first_gain) return false;
+  if (best.net_nats < least) return false;
+  const bool may_be_left_over = best.gain_nats < least_share * search.first_gain;
+  if (may_be_left_over && (free_form || search.has_unknown() || !leaves_only_noise(s, search, best))) return false;
   return best.net_nats >= least + kNatsADecade * decades_below_usual(search, best);
 }
 
@@ -127,10 +143,10 @@ void keep_moments(const std::vector<Found>& refined, SensorSearch& search) {
 }
 
 /// A law that fits a window and predicts nothing outside of its fit: something begins or ends there all the same.
-std::optional<Found> nameless_instead(const SensorSearch& search, const std::vector<Found>& sorted) {
+std::optional<Found> nameless_instead(const Signals& s, const SensorSearch& search, const std::vector<Found>& sorted) {
   const auto plain =
       std::find_if(sorted.begin(), sorted.end(), [](const Found& f) { return f.id == kPlainOffset && f.window.local; });
-  if (plain == sorted.end() || !pays(search, *plain)) return std::nullopt;
+  if (plain == sorted.end() || !pays(s, search, *plain)) return std::nullopt;
   return *plain;
 }
 
@@ -140,7 +156,7 @@ std::optional<Found> chosen(const Signals& s, const SensorSearch& search, const 
   while (auto best = best_explanation(sorted, s.current_A.size() > 0)) {
     const std::string id = best->id;
     best = adequate(s, search, judge, std::move(*best));
-    if (!pays(search, *best)) return std::nullopt;
+    if (!pays(s, search, *best)) return std::nullopt;
     if (!possible(s, search, *best)) return std::nullopt;  // what comes next would take the same misfit's place
     if (!leaves_less(search, *best)) return std::nullopt;
     if (robust_nats(search, *best) < charge(best->names.size(), best->window)) return std::nullopt;
@@ -244,7 +260,7 @@ std::optional<Found> next_effect(const Signals& s, SensorSearch& search) {
   };
   std::optional<Found> best = chosen(s, search, judge, refined);
   if (best && !predicts(*best)) {
-    best = best->window.local ? nameless_instead(search, refined) : std::nullopt;
+    best = best->window.local ? nameless_instead(s, search, refined) : std::nullopt;
     if (best && !predicts(*best)) best.reset();
   }
   if (best) best->rivals = std::move(ranking);

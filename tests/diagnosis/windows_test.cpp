@@ -82,6 +82,59 @@ TEST(Windows, RowsLostFromOneOnAreNoDelayUntilTheEnd) {
   EXPECT_THAT(answer.diagnosis.findings.front().equivalent, testing::IsEmpty());
 }
 
+/// A row beside its first one leaves thousands of nats over, and what gains a fiftieth of it was taken for the
+/// remainder.
+TEST(Windows, WhatGainsLittleBesideAGapIsFound) {
+  auto config = loaded();
+  config.motion->duration_s = 50.0;
+  config.accelerometer->noise_sd = 0.01, config.gyroscope->noise_sd = 5e-4;
+  for (const std::uint64_t seed : {5, 6, 7}) {
+    auto real = config;
+    real.effects = {
+        {.id = "gyr_temp_lin", .parameters = {{"k_radps_per_K", {2e-4, -1e-4, 3e-4}}}, .axes = {}, .window_s = {}}};
+    const Answer answer = diagnose(test::record(real, "sys_gap", {{"n", {3}}, {"t0_s", {22}}}, seed), config);
+    EXPECT_THAT(names(answer), testing::ElementsAre("sys_gap", "gyr_temp_lin")) << seed;
+  }
+}
+
+/// The body lies still at the end, so that nothing tells a shift that ends from one that does not.
+TEST(Windows, RowsLostBeforeARestAreNoRateOfTheClock) {
+  auto config = test::baseline("exact", 60.0);
+  config.motion->kind = "rest_poses";
+  const Answer answer = diagnose(test::record(config, "sys_gap", {{"n", {4}}, {"t0_s", {30}}}, 2), config);
+  EXPECT_THAT(names(answer), testing::ElementsAre("sys_gap")) << answer.diagnosis.summary;
+}
+
+/// Half of nine seconds did not show all coefficients of a lever, and it was not stated.
+TEST(Windows, WhatActsForAWhileIsJudgedOnAThirdOfIt) {
+  auto config = test::baseline("exact", 60.0);
+  config.rate_hz = 100;
+  config.accelerometer->noise_sd = 0.0026, config.gyroscope->noise_sd = 4e-4;
+  auto real = config;
+  real.effects = {
+      {.id = "acc_lever", .parameters = {{"r_m", {-0.005, -0.03, 0.0125}}}, .axes = {}, .window_s = {{25.85, 40}}}};
+  io::Recording recording = test::record(real, "", {}, 3);
+  for (std::size_t i = 3550; i < 4550; ++i)
+    recording.ref_q_world_body[i].setConstant(io::kMissing), recording.ref_position_m[i].setConstant(io::kMissing);
+  EXPECT_THAT(names(diagnose(recording, config)), testing::ElementsAre("acc_lever"));
+}
+
+/// A law of four seconds fits what lasts less than one, and predicts nothing of it. It is not stated; nor is it said
+/// that the simulation explains the recording.
+TEST(Windows, WhatNoLawPredictsIsNoMatch) {
+  const auto truth = test::with_law(
+      "  - {effect: law, sensor: acc, law: \"f * step(t, 26) * step(-t, -26.7)\", k: [0.03, -0.02, 0.01]}", "0.0004");
+  auto config = truth;
+  config.effects.clear();
+  for (const std::uint64_t seed : {1, 2, 3}) {
+    const Answer answer = diagnose(test::record(truth, "", {}, seed), config);
+    ASSERT_EQ(answer.diagnosis.verdict, Verdict::kUnexplained) << seed << ": " << answer.diagnosis.summary;
+    const Finding& f = answer.diagnosis.findings.front();
+    EXPECT_GE(f.interval_s[0], 25.5) << seed << ": and it is said when";
+    EXPECT_LE(f.interval_s[1], 27.5) << seed;
+  }
+}
+
 TEST(Windows, TheImprovedSimulationHasTheDelayInItsWindow) {
   auto config = test::baseline("exact");
   const io::Recording recording = for_a_while(config, "gyr_delay", {{"tau_s", {0.008}}}, 7);
