@@ -17,9 +17,10 @@ namespace {
 constexpr int kMostLines = 6;      // a rotor and its harmonics
 constexpr double kHalfBand = 0.1;  // of the frequency, on either side: size and speed of a rotor change
 constexpr double kLeastHalfBand_Hz = 1.0;
-constexpr double kUnlike = 0.1;     // of the line's power, that the reference does not show in its own proportions
-constexpr double kOffAFold = 0.05;  // of the rate of the rows: noise
-constexpr double kFallsShort = 0.98;
+constexpr double kUnlike = 0.1;          // of the line's power, that the reference does not show in its own proportions
+constexpr double kOffAFold = 0.05;       // of the rate of the rows: noise
+constexpr double kFallsShort = 0.98;     // of the true derivative: beyond a third of the rate of the rows
+constexpr double kLeastOfTheLine = 0.1;  // in what is left near its frequency, whatever noise is configured
 
 double half_band_Hz(double frequency_Hz) { return std::max(kHalfBand * frequency_Hz, kLeastHalfBand_Hz); }
 
@@ -94,8 +95,10 @@ bool unfold(Signals& s, Sensor k, const Series3& left, double frequency_Hz) {
   const Series3 residual = apply_response(left, s.rows, near(frequency_Hz));
   const double power = moved.squaredNorm(), both = moved.cwiseProduct(residual).sum();
   const double band = 4.0 * half_band_Hz(frequency_Hz) * s.dt_s;  // of all frequencies
+  const double left2 = residual.squaredNorm();
   const double noise = band * s.noise_sd[k] * s.noise_sd[k] * static_cast<double>(residual.size());
-  if (power <= 0.0 || both * both < (1.0 - kUnlike) * (residual.squaredNorm() - noise) * power) return false;
+  const double line = std::max(left2 - noise, kLeastOfTheLine * left2);
+  if (power <= 0.0 || both * both < (1.0 - kUnlike) * line * power) return false;
   const auto fold = fold_of(k, 1.0 + both / power, frequency_Hz, s.dt_s);
   if (!fold) return false;
   s.predicted[k] += lacking(s, k, *fold, frequency_Hz);

@@ -32,7 +32,7 @@ TEST(FoldedVibration, IsPredictedWithItsOwnFrequency) {
   }
 }
 
-/// An engine of 24 Hz: the differences of 50 rows a second see two thirds of its acceleration.
+/// An engine of 24 Hz: the differences of 50 rows a second see four fifths of its acceleration.
 TEST(FoldedVibration, NearHalfTheRateIsPredictedWithWhatTheDifferencesMiss) {
   auto config = test::baseline("exact", 60.0);
   config.motion->kind = "vehicle";
