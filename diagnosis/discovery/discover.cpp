@@ -63,20 +63,17 @@ SensorSearch without_some(const SensorSearch& search, bool (*drop)(const Found&)
   return out;
 }
 
-/// The gain of what lasts and is no law, so that no simulation can have it: "h(I)".
-double gain_of_no_law(const SensorSearch& search) {
+double gain_of(const SensorSearch& search, bool (*counts)(const Found&)) {
   double gain = 0.0;
   for (const Found& f : search.found)
-    if (f.kind == Kind::kUnknown && !f.window.local && !law_tree(f.id)) gain += f.gain_nats;
+    if (counts(f)) gain += f.gain_nats;
   return gain;
 }
 
-double gain_for_a_while(const SensorSearch& search) {
-  double gain = 0.0;
-  for (const Found& f : search.found)
-    if (f.kind == Kind::kNamed && is_open(f)) gain += f.gain_nats;
-  return gain;
-}
+/// It lasts and is no law, so that no simulation can have it: "h(I)".
+bool is_no_law(const Found& f) { return f.kind == Kind::kUnknown && !f.window.local && !law_tree(f.id); }
+
+bool is_named_for_a_while(const Found& f) { return f.kind == Kind::kNamed && is_open(f); }
 
 struct Discovered {
   SensorSearch search;
@@ -225,10 +222,10 @@ void discover_in(const Signals& s, SensorSearch& sensor) {
   std::optional<Discovered> best;
   // A name that begins and ends for no reason, on data that cannot tell it from a formula, is the formula, unless that
   // begins and ends for no more reason.
-  const double for_a_while = gain_for_a_while(sensor);
+  const double for_a_while = gain_of(sensor, is_named_for_a_while);
   const double lead = for_a_while > 0.0 ? -kAlikeLeast : kBetter;
   const double clearly = for_a_while > 0.0 ? std::max(kBetterThanNames, kAlikeShare * for_a_while) : 0.0;
-  double most = worth(sensor, 0.0) + lead - kShareOfATable * gain_of_no_law(sensor);
+  double most = worth(sensor, 0.0) + lead - kShareOfATable * gain_of(sensor, is_no_law);
   const auto value_of = [&](const Discovered& d, double margin) {
     const auto& found = d.search.found;
     const bool no_better =

@@ -68,7 +68,6 @@ class Ideas {
       add_matrix("d(" + v + ")");  // axis by axis of the reading itself it is a delay
       both("lag(" + v + ", {})", lags(kLongestOfMotion), "tau");
       add_powers(v);
-      add("norm(d(" + v + "))"), add("norm(d(" + v + "))^2");
       for (const auto& c : components_) add_matrix(v + " * " + c);
       for (const auto& x : scalars_) {
         both(v + " * " + x);
@@ -140,7 +139,8 @@ class Ideas {
     out_.push_back({{std::move(a), std::move(b)}, name, unit, std::move(shapes), false});
   }
   void add_powers(const std::string& v) {
-    for (const char* form : {"{0}^2", "{0}^3", "abs({0})", "sign({0})", "{0} * abs({0})", "abs({0})^0.5"})
+    for (const char* form : {"{0}^2", "{0}^3", "abs({0})", "sign({0})", "{0} * abs({0})", "abs({0})^0.5",
+                             "norm(d({0}))", "norm(d({0}))^2"})
       add(fmt::format(fmt::runtime(form), v));
     if (v != own_) add("cross(" + v + ", d(" + v + "))");
   }

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "diagnosis/reference/columns.h"
 
@@ -29,6 +30,17 @@ double adequate_within(const Found& law) {
 /// What the recording cannot tell from `law`: as good as it but for chance.
 bool ties_with(const Found& other, const Found& law) {
   return other.net_nats > law.net_nats - std::max(tie_nats(law.window), adequate_within(law));
+}
+
+/// Sum of the squares of what a fit leaves over, per axis.
+Eigen::Array3d power_left(const Target& t, const Columns& columns) {
+  return (fit_profile(t, columns).leftover.array().square().colwise() * t.layout.counts).colwise().sum();
+}
+
+Eigen::Array3d power_left_beside(const SensorSearch& search, const Found& law) {
+  Target t = search.target;
+  if (law.offset.size()) t.residual -= law.offset;
+  return power_left(t, law.offset.size() ? search.explained() : joined(search.explained(), law.columns));
 }
 
 /// The recorded or measured quantity that a law is a function of, times a vector where it has one.
@@ -185,14 +197,15 @@ Found adequate(const Signals& s, const SensorSearch& search, const Judge& judge,
 
 bool leaves_less(const SensorSearch& search, const Found& law) {
   constexpr double kOfChance = 1.005;
-  Target t = search.target;
-  const auto power_left = [&t](const Columns& columns) {
-    return (fit_profile(t, columns).leftover.array().square().colwise() * t.layout.counts).sum();
-  };
-  const Columns explained = search.explained();
-  const double before = power_left(explained);
-  if (law.offset.size()) t.residual -= law.offset;
-  return power_left(law.offset.size() ? explained : joined(explained, law.columns)) < kOfChance * before;
+  return power_left_beside(search, law).sum() < kOfChance * power_left(search.target, search.explained()).sum();
+}
+
+bool leaves_only_noise(const Signals& s, const SensorSearch& search, const Found& law) {
+  constexpr double kOverNoise = 1.35;  // noises are configured to a fifth
+  const double sd = s.noise_sd[search.sensor];
+  if (!s.exact_reference || sd <= 0) return false;
+  const double most = power_left_beside(search, law).maxCoeff() / std::max(search.target.layout.used(), 1.0);
+  return std::sqrt(most) < kOverNoise * sd;
 }
 
 }  // namespace stillpoint::diag

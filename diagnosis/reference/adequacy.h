@@ -21,4 +21,8 @@ inline constexpr const char* kPlainOffset = "unknown:offset(t)";
 /// A model after which more is left than before has fitted the colour of a camera's noise, not the sensor.
 [[nodiscard]] bool leaves_less(const SensorSearch& search, const Found& law);
 
+/// Whether beside it nothing is left but the sensor's own noise. What an inexact model of a large effect leaves over is
+/// no law, and leaves some of it. Only beside an exact reference.
+[[nodiscard]] bool leaves_only_noise(const Signals& s, const SensorSearch& search, const Found& law);
+
 }  // namespace stillpoint::diag

@@ -85,8 +85,8 @@ std::optional<Window> left_over(const Signals& s, const SensorSearch& search, co
   const Eigen::ArrayXd power = finished.fit.leftover.rowwise().squaredNorm().array() * layout.counts / 3.0;
   if (const auto w = bursts(power, layout.counts, s.dt_s, std::pow(kTimesInABurst * noise_sd, 2)))
     return static_cast<double>(w->end - w->begin) < kShort * static_cast<double>(s.n) ? *w : Window{};
-  const bool white = is_white(finished.fit.whitened.col(0), layout) && is_white(finished.fit.whitened.col(1), layout) &&
-                     is_white(finished.fit.whitened.col(2), layout);
+  bool white = true;
+  for (int axis = 0; axis < 3; ++axis) white = white && is_white(finished.fit.whitened.col(axis), layout);
   const bool much = std::sqrt(power.sum() / std::max(layout.used(), 1.0)) > kTimesTheNoise * noise_sd;
   return much && !white ? std::optional(Window{}) : std::nullopt;
 }

@@ -26,10 +26,9 @@ std::vector<Rest> rests_of(const Signals& s, const Layout& layout) {
   std::vector<Rest> out;
   const auto least = static_cast<Eigen::Index>(kLeastRest_s / s.dt_s);
   const auto still = [&](Eigen::Index i) { return s.rest[static_cast<std::size_t>(i)] && layout.present[i] > 0; };
-  for (Eigen::Index begin = 0, end = 0; begin < s.n; begin = end + 1) {
-    for (end = begin; end < s.n && still(end);) ++end;
+  each_run(s.n, still, [&](Eigen::Index begin, Eigen::Index end) {
     if (end - begin >= least) out.push_back({begin, end});
-  }
+  });
   return out;
 }
 

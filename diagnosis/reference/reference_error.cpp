@@ -41,9 +41,13 @@ struct Measured {
 Measured measure(const Signals& s, const io::Recording& r) {
   Measured out;
   const auto least = static_cast<std::size_t>(kLeastRest_s / s.dt_s);
-  for (std::size_t begin = 0, end = 0; begin < r.size(); begin = end + 1) {
-    for (end = begin; end < r.size() && s.rest[end] && r.ref_q_world_body[end].allFinite();) ++end;
-    if (end - begin < least) continue;
+  const auto shows = [&](Eigen::Index i) {
+    const auto row = static_cast<std::size_t>(i);
+    return s.rest[row] && r.ref_q_world_body[row].allFinite();
+  };
+  each_run(s.n, shows, [&](Eigen::Index first, Eigen::Index last) {
+    const auto begin = static_cast<std::size_t>(first), end = static_cast<std::size_t>(last);
+    if (end - begin < least) return;
     std::vector<Vec3> turns, places;
     const auto at = [&](std::size_t i) {
       const Eigen::Vector4d& q = r.ref_q_world_body[i];
@@ -55,7 +59,7 @@ Measured measure(const Signals& s, const io::Recording& r) {
     }
     out.orientation.add(turns);
     if (places.size() > least) out.position.add(places);
-  }
+  });
   return out;
 }
 

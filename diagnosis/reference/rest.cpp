@@ -20,14 +20,14 @@ Series local_deviation(const Series3& x, Eigen::Index half) {
   return (variance / 3.0).cwiseSqrt();
 }
 
-/// Calls with [begin, end) of each rest.
-template <class Visit>
-void each_rest(const Mask& rest, const Visit& visit) {
-  const auto n = static_cast<Eigen::Index>(rest.size());
-  for (Eigen::Index begin = 0, end = 0; begin < n; begin = end + 1) {
-    for (end = begin; end < n && rest[static_cast<std::size_t>(end)];) ++end;
-    if (end > begin) visit(begin, end);
-  }
+/// Each rest that is none is no longer one: none(begin, end).
+template <class IsNone>
+void wake(Mask& rest, const IsNone& none) {
+  each_run(
+      static_cast<Eigen::Index>(rest.size()), [&](Eigen::Index i) { return rest[static_cast<std::size_t>(i)] != 0; },
+      [&](Eigen::Index begin, Eigen::Index end) {
+        if (none(begin, end)) std::fill(rest.begin() + begin, rest.begin() + end, std::uint8_t{0});
+      });
 }
 
 using Rows = Eigen::Array<bool, Eigen::Dynamic, 1>;
@@ -41,13 +41,13 @@ Rows quiet_rows(const Signals& s, Sensor sensor) {
 
 /// Stretches of `still` without their edges, added to `rest`.
 void add_rests(const Rows& still, Eigen::Index margin, Mask& rest) {
-  Eigen::Index begin = 0;
-  for (Eigen::Index i = 0; i <= still.size(); ++i) {
-    if (i < still.size() && still[i]) continue;
-    for (Eigen::Index k = begin == 0 ? 0 : begin + margin; k < (i == still.size() ? i : i - margin); ++k)
-      rest[static_cast<std::size_t>(k)] = 1;
-    begin = i + 1;
-  }
+  const Eigen::Index n = still.size();
+  each_run(
+      n, [&](Eigen::Index i) { return still[i]; },
+      [&](Eigen::Index begin, Eigen::Index end) {
+        for (Eigen::Index k = begin == 0 ? 0 : begin + margin; k < (end == n ? end : end - margin); ++k)
+          rest[static_cast<std::size_t>(k)] = 1;
+      });
 }
 
 /// Squared length of a vector's mean over windows: what a camera's noise leaves of it is little.
@@ -91,21 +91,19 @@ void wake_where_reference_moves(Mask& rest, const Series3& rate_radps, const Ser
   const auto typical = [](const Series& x, Eigen::Index begin, Eigen::Index end) {
     return std::sqrt(quantile(x.segment(begin, end - begin), 0.5));
   };
-  each_rest(rest, [&](Eigen::Index begin, Eigen::Index end) {
-    if (typical(turning, begin, end) < still_radps && typical(going, begin, end) < still_mps) return;
-    std::fill(rest.begin() + begin, rest.begin() + end, std::uint8_t{0});
+  wake(rest, [&](Eigen::Index begin, Eigen::Index end) {
+    return typical(turning, begin, end) >= still_radps || typical(going, begin, end) >= still_mps;
   });
 }
 
 void wake_where_both_move(Mask& rest, const Signals& s, const Series3& rate_radps) {
   constexpr double kMost = 0.5, kSure = 3.0;  // of the reference's power; deviations of the gyroscope's noise
   if (!s.present[kGyr]) return;
-  each_rest(rest, [&](Eigen::Index begin, Eigen::Index end) {
+  wake(rest, [&](Eigen::Index begin, Eigen::Index end) {
     const auto seen = rate_radps.middleRows(begin, end - begin);
     const auto read = s.reading[kGyr].middleRows(begin, end - begin);
     const double both = (read.rowwise() - read.colwise().mean()).cwiseProduct(seen).sum();
-    if (both > kMost * seen.squaredNorm() + kSure * s.noise_sd[kGyr] * seen.norm())
-      std::fill(rest.begin() + begin, rest.begin() + end, std::uint8_t{0});
+    return both > kMost * seen.squaredNorm() + kSure * s.noise_sd[kGyr] * seen.norm();
   });
 }
 

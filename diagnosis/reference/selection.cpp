@@ -102,20 +102,6 @@ std::vector<Candidate> short_list(const SensorSearch& search, const Judge& judge
   return out;
 }
 
-/// Whether beside it nothing is left but the sensor's own noise. What an inexact model of a large effect leaves over is
-/// no law, and leaves some of it.
-bool leaves_only_noise(const Signals& s, const SensorSearch& search, const Found& law) {
-  constexpr double kOverNoise = 1.35;  // noises are configured to a fifth
-  const double sd = s.noise_sd[search.sensor];
-  Target t = search.target;
-  if (law.offset.size()) t.residual -= law.offset;
-  const Series3 left =
-      fit_profile(t, law.offset.size() ? search.explained() : joined(search.explained(), law.columns)).leftover;
-  const Eigen::Array3d power =
-      (left.array().square().colwise() * t.layout.counts).colwise().sum() / std::max(t.layout.used(), 1.0);
-  return s.exact_reference && sd > 0 && power.sqrt().maxCoeff() < kOverNoise * sd;
-}
-
 bool pays(const Signals& s, const SensorSearch& search, const Found& best) {
   const double least_share = search.has_unknown() ? kLeastShareBesideUnknown : kLeastShareOfFirst;
   const bool free_form = is_unknown(best.id);  // there are more products than laws

@@ -40,6 +40,15 @@ Matrix means_of_rows(const Matrix& x, Eigen::Index factor) {
   return out;
 }
 
+/// Calls visit(begin, end) for each run of rows i, the first before `end`, for which holds(i).
+template <class Holds, class Visit>
+void each_run(Eigen::Index n, const Holds& holds, const Visit& visit) {
+  for (Eigen::Index begin = 0, end = 0; begin < n; begin = end + 1) {
+    for (end = begin; end < n && holds(end);) ++end;
+    if (end > begin) visit(begin, end);
+  }
+}
+
 [[nodiscard]] Series3 filled3(const std::vector<Vec3>& column);
 
 /// Over `half` neighbours on either side, fewer at the ends: symmetric, so a slope is not shifted.

@@ -77,10 +77,8 @@ void read_drivers(Signals& s, const io::Recording& recording) {
 /// At rest nothing moves: there the vector is one value a rest, or the sensor's own noise would stand in residual and
 /// driver alike. What bridges a gap of the reference counts for no attitude.
 void hold_at_rest(Signals& s, const Mask& lost) {
-  for (Eigen::Index begin = 0; begin < s.n; ++begin) {
-    Eigen::Index end = begin;
-    while (end < s.n && s.rest[static_cast<std::size_t>(end)]) ++end;
-    if (end == begin) continue;
+  const auto rests = [&s](Eigen::Index i) { return s.rest[static_cast<std::size_t>(i)] != 0; };
+  each_run(s.n, rests, [&](Eigen::Index begin, Eigen::Index end) {
     const Eigen::Index length = end - begin;
     Series seen(length);
     for (Eigen::Index i = 0; i < length; ++i) seen[i] = lost[static_cast<std::size_t>(begin + i)] ? 0.0 : 1.0;
@@ -92,8 +90,7 @@ void hold_at_rest(Signals& s, const Mask& lost) {
     for (Series3& v : s.vector) hold(v);
     for (Series3& v : s.world_axis) hold(v);
     s.vector[kGyr].middleRows(begin, length).setZero();
-    begin = end;
-  }
+  });
 }
 
 bool keeps_still(const Series3& x, double still) {

@@ -104,20 +104,13 @@ TEST(Discovery, ACleanRecordingGivesNoLaw) {
   for (const auto& e : diagnose(recording_of(clean, 4), clean).effects) EXPECT_FALSE(sim::is_law(e)) << e.id;
 }
 
-/// Ripple of a motor's current: a line of which the size is the current's.
 TEST(Discovery, TheSizeOfTheAngularAccelerationIsADriver) {
   EXPECT_LT(left_on_another_motion(
                 with_law("  - {effect: law, sensor: acc, law: \"norm(d(w))\", k: [-0.01, 0.008, -0.009]}"), Of::kAcc),
             0.1);
 }
 
-TEST(Discovery, ALawThatAMomentAndADriverSwitchIsAWindowItself) {
-  EXPECT_TRUE(is_a_window_itself("unknown:abs(f) * step(t, 22.8) * step(d(T), 0.08)"));
-  EXPECT_TRUE(is_a_window_itself("unknown:w * step(w_y, -0.6) * step(t, 22.8)"));
-  EXPECT_FALSE(is_a_window_itself("unknown:step(t, 21.7) * exp(-(t - 21.7) / 2.4)"));
-  EXPECT_FALSE(is_a_window_itself("unknown:m * step(I, 0.9)"));
-}
-
+/// Ripple of a motor's current: a line of which the size is the current's.
 TEST(Discovery, ALineThatFollowsTheCurrentIsALawOfIt) {
   EXPECT_LT(
       left_on_another_motion(
@@ -321,20 +314,6 @@ TEST(Discovery, ALawThatTheSimulationHasIsNotFoundAgain) {
       with_law("  - {effect: law, sensor: gyr, law: \"lag(w_y * w_z, 0.5)\", k: [0.01, 0, -0.02]}");
   const Answer answer = diagnose(recording_of(truth, 3), truth);
   EXPECT_EQ(answer.diagnosis.verdict, Verdict::kNoMismatch) << answer.diagnosis.summary;
-}
-
-TEST(Discovery, ALawInTheAnswerHasUnitDriversAndMechanisms) {
-  Finding finding;
-  finding.effect = "unknown:w*(V-V0)";
-  finding.channels = {"gyr_x"};
-  const auto law = law_json(finding);
-  ASSERT_TRUE(law);
-  EXPECT_EQ((*law)["text"], "w * (V - 3.7)");
-  EXPECT_EQ((*law)["unit"], "rad V/s");
-  EXPECT_EQ((*law)["drivers"], nlohmann::ordered_json::array({"w", "V"}));
-  EXPECT_THAT((*law)["mechanisms"].dump(), testing::HasSubstr("ratiometric"));
-  finding.effect = "unknown:switched(t)";
-  EXPECT_FALSE(law_json(finding));
 }
 
 }  // namespace
