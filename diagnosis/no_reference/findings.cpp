@@ -10,8 +10,6 @@
 namespace stillpoint::diag::detail {
 namespace {
 
-constexpr double kEquivalent_nats = 2.5;  // names within this of the best are given together
-
 void fill_figures(const SelfConsistency& model, const Candidate& c, const std::vector<LawColumn>& columns, Finding& f) {
   const auto series = model.series(c.law->sensor, columns, c.applied);
   Vec3 before = Vec3::Zero(), after = Vec3::Zero();

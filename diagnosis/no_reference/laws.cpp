@@ -51,6 +51,7 @@ class Laws {
 
   std::vector<WitnessedLaw> all() {
     gyro_laws();
+    force_laws();
     if (simulation_.magnetometer && !m_.recording().mag_uT.empty()) mag_laws();
     return std::move(laws_);
   }
@@ -163,6 +164,24 @@ class Laws {
         return c;
       });
     }
+  }
+
+  /// At rest alone: there the gyroscope says which way gravity points.
+  void force_laws() {
+    thermal_laws(kAcc, "acc", "m/s^2");
+    const auto force = [this](std::size_t i, int k) { return m_.force_mps2()[i][k]; };
+    if (!tau_.empty())
+      add_diagonal("acc_temp_scale", kAcc, "D = S (T - T0) o f", "temperature times force", "1/K",
+                   [this, force](std::size_t i, int k) { return tau_[i] * force(i, k); });
+    if (!supply_.empty())
+      add_diagonal("acc_volt", kAcc, "D = k (V - V0)", "supply voltage", "m/s^2 per V",
+                   [this](std::size_t i, int) { return supply_[i]; });
+    add_diagonal("acc_asym", kAcc, "D = k o |f|", "size of the force", "1",
+                 [force](std::size_t i, int k) { return std::abs(force(i, k)); });
+    add_diagonal("acc_quad", kAcc, "D = k2 o f^2", "force squared", "1/(m/s^2)",
+                 [force](std::size_t i, int k) { return std::pow(force(i, k), 2); });
+    add_diagonal("acc_cubic", kAcc, "D = k3 o f^3", "force cubed", "1/(m/s^2)^2",
+                 [force](std::size_t i, int k) { return std::pow(force(i, k), 3); });
   }
 
   [[nodiscard]] Signal vibration() const {

@@ -18,6 +18,8 @@ struct WitnessedLaw {
   std::string grid_name, grid_unit;  ///< empty: linear
   std::vector<double> grid;
   std::function<std::vector<LawColumn>(double)> columns;
+
+  [[nodiscard]] std::size_t numbers() const { return names.size() + (grid_name.empty() ? 0 : 1); }
 };
 
 /// Those whose drivers the recording holds. The functions refer to `model`, which must outlive them.

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "core/so3.h"
+#include "diagnosis/median.h"
 #include "diagnosis/no_reference/closure.h"
 
 namespace stillpoint::diag::detail {
@@ -12,11 +13,16 @@ namespace {
 
 constexpr std::size_t kMostMagRows = 9000;
 constexpr double kRestCell_s = 0.5;
+// Of motion integrated at a stretch: between rests far apart the attitude is put right too.
+constexpr double kLeastLeg_s = 1.0, kLeg_s = 8.0;
+constexpr double kMostLegs = 60.0;
 constexpr int kArOrder = 6;
+constexpr std::size_t kNoisePiece = 150;  // readings: many times the order, and short beside a disturbance
+constexpr double kMoreThanNoise = 3.0;    // variance of a piece over the usual one
 constexpr double kLeastClosure_rad = 1e-4;
 // How far the simulation's calibration may be off (matrix entries; offsets in the sensor's unit).
 constexpr double kMatrixPrior = 0.05, kGyroOffsetPrior = 0.05, kAccOffsetPrior = 0.5, kMagOffsetPrior = 10.0,
-                 kFieldPrior_uT = 8.0, kAttitudePrior_rad = 0.5;
+                 kFieldPrior_uT = 8.0, kAttitudePrior_rad = 0.5, kFixed = 1e-9;
 
 Vec3 corrected(const Eigen::VectorXd& x, long at, const Vec3& u) {
   Vec3 d = x.segment<3>(at + 9);
@@ -52,15 +58,17 @@ SelfConsistency::SelfConsistency(const io::Recording& recording, const sim::Simu
     if (recording.mag_uT[i].allFinite() && !raw.muted(kMag, i)) mag_rows_.push_back(i);
   const auto cell =
       std::max<std::size_t>(2, static_cast<std::size_t>(std::lround(kRestCell_s / recording.median_step_s())));
-  for (const auto& w : rest_) {
-    knots_.push_back(knots_.empty() ? 0 : w.first);
+  for (const auto& w : rest_)
     for (std::size_t i = w.first; i + cell <= w.last + 1; i += cell) cells_.push_back({i, i + cell - 1});
-  }
-  if (knots_.empty()) knots_.push_back(0);
+  place_knots();
   first_attitude_ = first_attitude();
   x_ = Eigen::VectorXd::Zero(kKnotsAt + 3 * static_cast<long>(knots_.size()));
   x_.segment<3>(kGyroAt + 9) = offset_at_rest();
+  start_ = x_;
   prior_sd_ = Eigen::VectorXd::Constant(x_.size(), kMatrixPrior);
+  // A common turn of all sensors against the body changes nothing that they see: the body's axes are those in which the
+  // accelerometer's matrix is triangular (Tedaldi, Pretto and Menegatti, ICRA 2014).
+  for (const long below : {3, 6, 7}) prior_sd_[kAccAt + below] = kFixed;
   prior_sd_.segment<3>(kGyroAt + 9).setConstant(kGyroOffsetPrior);
   prior_sd_.segment<3>(kAccAt + 9).setConstant(kAccOffsetPrior);
   prior_sd_.segment<3>(kMagAt + 9).setConstant(kMagOffsetPrior);
@@ -68,7 +76,34 @@ SelfConsistency::SelfConsistency(const io::Recording& recording, const sim::Simu
   prior_sd_.segment<3>(kKnotsAt).setConstant(kAttitudePrior_rad);
 }
 
-/// How far the attitude may have to be put right at each rest: what the noise of the rate adds up to since the rest
+/// The time in which the gyroscope's noise turns the field as much as the magnetometer's own leaves open over that
+/// time.
+double SelfConsistency::even_leg_s() const {
+  if (!simulation_.magnetometer || mag_rows_.empty()) return kLeg_s;
+  const double read_uT =
+      simulation_.magnetometer->noise_sd * std::sqrt(span_s() / static_cast<double>(mag_rows_.size()));
+  const double turned_uT =
+      simulation_.gyroscope->noise_sd * std::sqrt(recording_.median_step_s()) * field_world_.norm();
+  return read_uT / std::max(turned_uT, 1e-12);
+}
+
+/// At the first row, at every rest after the first, and so often in between that no leg of motion is too long.
+void SelfConsistency::place_knots() {
+  leg_s_ = std::max(std::clamp(0.5 * even_leg_s(), kLeastLeg_s, kLeg_s), span_s() / kMostLegs);
+  knots_ = {0};
+  const auto go_to = [this](std::size_t row) {
+    const std::size_t from = std::max(knots_.back(), first_row());
+    const auto legs = static_cast<std::size_t>((recording_.t_s(row) - recording_.t_s(from)) / leg_s_);
+    for (std::size_t k = 1; k <= legs; ++k) knots_.push_back(from + k * (row - from) / (legs + 1));
+  };
+  for (std::size_t w = 1; w < rest_.size(); ++w) {
+    go_to(rest_[w].first);
+    knots_.push_back(rest_[w].first);
+  }
+  go_to(recording_.size() - 1);
+}
+
+/// How far the attitude may have to be put right at each knot: what the noise of the rate adds up to since the one
 /// before, and what sampling loses.
 void SelfConsistency::expect_closure() {
   const double walk = std::max(simulation_.gyroscope->noise_sd * std::sqrt(recording_.median_step_s()),
@@ -96,6 +131,7 @@ void SelfConsistency::integrate() {
       force_[i] = corrected(x_, kAccAt, acc.matrix * (recording_.acc_mps2[i] - acc.bias));
     else if (i > 0)
       force_[i] = force_[i - 1];
+    if (!applied_[kAcc].empty()) force_[i] -= applied_[kAcc][i];
   }
   Quat q = first_attitude_;  // of the first rest; what lies before it is not looked at
   std::size_t knot = 0;
@@ -124,37 +160,61 @@ Vec3 SelfConsistency::cell_mean(const std::vector<Vec3>& v, const Cell& cell) co
   return sum / static_cast<double>(cell.last - cell.first + 1);
 }
 
-/// Noise from within the rests only, where no law and no misfit of the attitude can enter it: an autoregressive model
-/// of the field, and the scatter of the cell means about their window's mean.
-void SelfConsistency::find_noise() {
-  std::array<Eigen::VectorXd, 3> covariance;
-  Vec3 count = Vec3::Zero();
-  for (auto& c : covariance) c = Eigen::VectorXd::Zero(kArOrder + 1);
+/// From pieces of the rests, less those that hold more than noise: a magnet that comes, a current that is switched on.
+void SelfConsistency::find_field_noise() {
+  struct Piece {
+    Eigen::VectorXd covariance = Eigen::VectorXd::Zero(kArOrder + 1);  ///< by lag
+    double count = 0.0;
+  };
+  std::array<std::vector<Piece>, 3> pieces;
   for (const auto& w : rest_) {
     std::vector<Vec3> v;
-    for (const std::size_t i : mag_rows_)
-      if (i >= w.first && i <= w.last) v.push_back(mag_[i]);
-    if (v.size() < 3 * kArOrder) continue;
-    Vec3 mean = Vec3::Zero();
-    for (const auto& m : v) mean += m / static_cast<double>(v.size());
-    for (std::size_t i = 0; i < v.size(); ++i)
-      for (std::size_t lag = 0; lag <= std::min<std::size_t>(kArOrder, i); ++lag)
-        for (int k = 0; k < 3; ++k)
-          covariance[static_cast<std::size_t>(k)][static_cast<long>(lag)] += (v[i] - mean)[k] * (v[i - lag] - mean)[k];
-    count += Vec3::Constant(static_cast<double>(v.size() - 1));
+    for (std::size_t at = 0; at < mag_rows_.size(); ++at) {
+      const std::size_t row = mag_rows_[at];
+      if (row >= w.first && row <= w.last) v.push_back(mag_[row]);
+      const bool ends = at + 1 == mag_rows_.size() || mag_rows_[at + 1] > w.last;
+      if (v.empty() || (v.size() < kNoisePiece && !ends)) continue;
+      if (v.size() >= 3 * kArOrder)
+        for (int k = 0; k < 3; ++k) {
+          Piece p;
+          double mean = 0.0;
+          for (const Vec3& m : v) mean += m[k] / static_cast<double>(v.size());
+          for (std::size_t i = 0; i < v.size(); ++i)
+            for (std::size_t lag = 0; lag <= std::min<std::size_t>(kArOrder, i); ++lag)
+              p.covariance[static_cast<long>(lag)] += (v[i][k] - mean) * (v[i - lag][k] - mean);
+          p.count = static_cast<double>(v.size() - 1);
+          pieces[static_cast<std::size_t>(k)].push_back(std::move(p));
+        }
+      v.clear();
+      if (ends) break;
+    }
   }
   for (int k = 0; k < 3; ++k) {
     auto& ar = mag_ar_[static_cast<std::size_t>(k)];
     ar = Eigen::VectorXd::Zero(kArOrder);
     mag_sd_[k] = simulation_.magnetometer ? std::max(simulation_.magnetometer->noise_sd, 1e-9) : 1.0;
-    if (count[k] < 20 * kArOrder) continue;
-    const Eigen::VectorXd c = covariance[static_cast<std::size_t>(k)] / count[k];
+    std::vector<double> variances;
+    for (const Piece& p : pieces[static_cast<std::size_t>(k)]) variances.push_back(p.covariance[0] / p.count);
+    if (variances.empty()) continue;
+    const double limit = kMoreThanNoise * median(variances);
+    Piece sum;
+    for (const Piece& p : pieces[static_cast<std::size_t>(k)])
+      if (p.covariance[0] <= limit * p.count) sum.covariance += p.covariance, sum.count += p.count;
+    if (sum.count < 20 * kArOrder) continue;
+    const Eigen::VectorXd c = sum.covariance / sum.count;
     Eigen::MatrixXd toeplitz(kArOrder, kArOrder);
     for (int i = 0; i < kArOrder; ++i)
       for (int j = 0; j < kArOrder; ++j) toeplitz(i, j) = c[std::abs(i - j)] + (i == j ? 1e-6 * c[0] : 0.0);
     ar = toeplitz.ldlt().solve(c.tail(kArOrder));
     mag_sd_[k] = std::sqrt(std::max(c[0] - ar.dot(c.tail(kArOrder)), 1e-6 * c[0] + 1e-18));
+    mag_sd_[k] *= std::max(1.0, leg_s_ / even_leg_s());  // a walk that no knot takes out
   }
+}
+
+/// Noise from within the rests only, where no law and no misfit of the attitude can enter it: an autoregressive model
+/// of the field, and the scatter of the cell means about their window's mean.
+void SelfConsistency::find_noise() {
+  find_field_noise();
   Vec3 force2 = Vec3::Zero(), rate2 = Vec3::Zero();
   double freedom = 0;
   for (const auto& w : rest_) {

@@ -51,16 +51,18 @@ class SelfConsistency {
 
   /// Settles the nuisances (three to eight damped Gauss-Newton steps). Call once, before fit().
   void settle();
+  /// From here on the noise stays what it was found to be: laws are compared by one measure.
+  void keep_noise() { noise_kept_ = true; }
   /// `applied` is what of the law replace() has already taken out; the fit is of the whole.
   [[nodiscard]] LawFit fit(const std::vector<LawColumn>& law, const Eigen::VectorXd& applied = {}) const;
   /// Deviations of a law's values by what stretches of motion say against each other, which a bent attitude or a driver
   /// known in part makes more than noise. `left`: the fitted values less what replace() has taken out already.
   [[nodiscard]] Eigen::VectorXd sd_between_stretches(const std::vector<LawColumn>& law,
                                                      const Eigen::VectorXd& left) const;
-  /// Fits the law on every other block of 10 s and scores it on the rest, both ways round; the nuisances, which the
-  /// blocks do not share, are fitted wherever they are needed.
+  /// How much better the law with the nuisances predicts blocks of 10 s than the nuisances alone, each from all the
+  /// others: the logarithm of the ratio of what both give for them, with all that either does not know.
   [[nodiscard]] HeldOutGain held_out(const std::vector<LawColumn>& law, const Eigen::VectorXd& applied) const;
-  /// Takes a law out of the gyro's rates or the field's readings in place of what was taken before (puts `before`
+  /// Takes a law out of a sensor's readings in place of what was taken before (puts `before`
   /// back), and settles again around the attitude that follows.
   void replace(const std::vector<LawColumn>& before, const Eigen::VectorXd& before_value,
                const std::vector<LawColumn>& law, const Eigen::VectorXd& value);
@@ -70,6 +72,7 @@ class SelfConsistency {
   /// The nuisances as they stand, and a return to where they once stood, which the next settling starts from.
   [[nodiscard]] const Eigen::VectorXd& nuisances() const { return x_; }
   void start_from(const Eigen::VectorXd& nuisances) { x_ = nuisances; }
+  void start_anew() { x_ = start_; }  ///< from the simulation's numbers and the gyroscope's offset at rest
 
   /// Offsets and matrices of the simulation that the nuisances contradict.
   [[nodiscard]] std::vector<ConfigurationFault> wrong_numbers() const;
@@ -107,9 +110,13 @@ class SelfConsistency {
   [[nodiscard]] std::size_t first_row() const { return rest_.empty() ? 0 : rest_.front().first; }
   [[nodiscard]] Vec3 offset_at_rest() const;
   [[nodiscard]] Quat first_attitude() const;
+  [[nodiscard]] double span_s() const { return recording_.t_s(recording_.size() - 1) - recording_.t_s(first_row()); }
+  [[nodiscard]] double even_leg_s() const;
+  void place_knots();
   void integrate();
   void predict();
   void find_noise();
+  void find_field_noise();
   void expect_closure();
   void descend(const Eigen::VectorXd& step, double misfit_nats);
   [[nodiscard]] Eigen::MatrixXd columns(const std::vector<LawColumn>& law) const;  ///< not yet whitened
@@ -119,6 +126,7 @@ class SelfConsistency {
   [[nodiscard]] std::size_t row_of(long i) const;
   void add_nuisances(const Eigen::MatrixXd& whitened_columns);
   [[nodiscard]] Eigen::VectorXd residual() const;
+  [[nodiscard]] Eigen::VectorXd information() const { return doubt_ * prior_sd_.cwiseAbs2().cwiseInverse(); }
   void attitude_column(const std::vector<Vec3>& eps_world, Eigen::Ref<Eigen::VectorXd> out) const;
   void sensor_column(Sensor sensor, const std::vector<Vec3>& unit, Eigen::Ref<Eigen::VectorXd> out) const;
   void whiten(Eigen::Ref<Eigen::MatrixXd> m) const;
@@ -129,17 +137,22 @@ class SelfConsistency {
   std::vector<RestWindow> rest_;
   std::vector<Cell> cells_;
   std::vector<std::size_t> mag_rows_;
-  std::vector<std::size_t> knots_;  ///< rows at which the attitude may be put right: the first row of each rest
+  std::vector<std::size_t> knots_;  ///< rows at which the attitude may be put right
+  double leg_s_ = 0.0;              ///< the longest time between two of them in motion
 
   std::array<std::vector<Vec3>, 3> applied_;  ///< per Sensor, taken out by replace(); empty: nothing
   std::vector<Vec3> rate_, force_, mag_, field_;
   std::vector<Mat3> R_;
   Vec3 field_world_;
   Quat first_attitude_;
-  Eigen::VectorXd x_, prior_sd_;  ///< nuisances as they stand, and how far the simulation may be off
+  Eigen::VectorXd x_, start_, prior_sd_;  ///< nuisances as they stand and stood, and how far the simulation may be off
   std::vector<std::vector<LawColumn>> accepted_;
   std::array<Eigen::VectorXd, 3> mag_ar_;
   Vec3 mag_sd_ = Vec3::Ones(), force_sd_ = Vec3::Ones(), rate_sd_ = Vec3::Ones();
+
+  bool noise_kept_ = false;
+  double doubt_ =
+      1.0;  ///< mean square of the whitened residual, at least 1: what no nuisance explains must not bend them
 
   Eigen::MatrixXd N_;  ///< whitened nuisance columns
   Eigen::VectorXd y_;  ///< whitened residual

@@ -11,6 +11,7 @@
 #include "diagnosis/forensics/forensics.h"
 #include "diagnosis/no_reference/field.h"
 #include "diagnosis/no_reference/findings.h"
+#include "diagnosis/no_reference/lines_at_rest.h"
 #include "diagnosis/no_reference/search.h"
 #include "diagnosis/no_reference/still.h"
 
@@ -21,7 +22,7 @@ using detail::Candidate;
 using detail::SelfConsistency;
 using detail::WitnessedLaw;
 
-constexpr std::size_t kLeastRests = 3;
+constexpr std::size_t kLeastRests = 1;
 constexpr int kMostFindings = 3;
 constexpr double kCoarseOverNoise =
     3.0;  // noise dithers a finer lattice: its bias stays below a tenth of the noise (Widrow 1996)
@@ -29,8 +30,9 @@ constexpr double kLeastOfFirst = 0.02;  // smaller gains are the second order of
 constexpr double kDriftOverLaw = 1.15;  // a free offset per rest must beat a law by this to take its place
 constexpr double kLeastShare = 0.5;     // a law that removes less of what is not noise is not the cause
 constexpr double kDispersion = 1.5;     // mean square of whitened residuals above which something is left unexplained
-constexpr std::size_t kMostTried = 6;
-constexpr double kHopeless = 2.0;     // times the misfit that another law leaves
+constexpr std::size_t kMostTried = 8;
+constexpr double kNear_nats = 10.0, kNearShare = 0.7;  // of the best: what the second order may still turn round
+constexpr double kHopeless = 2.0;                      // times the misfit that another law leaves
 constexpr double kForceMisfit = 1.6;  // whitened rms of the accelerometer's rests above this is more than noise
 
 void conclude(const SelfConsistency& model, const Forensics& raw, Diagnosis& d) {
@@ -84,7 +86,10 @@ std::string what_is_missing(const io::Recording& recording, const sim::Simulatio
   const auto* gyro = triad(simulation, kGyr);
   const bool coarse = gyro && raw.sensor[kGyr].quantised &&
                       raw.sensor[kGyr].lattice_step.maxCoeff() > kCoarseOverNoise * gyro->noise_sd;
-  if (raw.sensor[kGyr].saturated || coarse)
+  const bool faulty = std::any_of(raw.findings.begin(), raw.findings.end(), [](const Finding& f) {
+    return f.effect.starts_with("gyr_") && !f.effect.ends_with("_quant");
+  });
+  if (faulty || coarse)
     return "the gyroscope's raw values are spoiled, and without a reference everything else is judged by it; repair "
            "that first";
   if (!gyro || recording.gyr_radps.empty() || !simulation.accelerometer || recording.acc_mps2.empty())
@@ -108,12 +113,10 @@ std::vector<WitnessedLaw> open_laws(const SelfConsistency& model, const sim::Sim
   return laws;
 }
 
-/// A slow offset that no law reaches, in the first round; true when one was stated.
-bool state_drift(const SelfConsistency& model, const sim::SimulationConfig& simulation,
-                 const std::vector<Candidate>& ranking, Diagnosis& d) {
+/// A slow offset that no law reaches, in the first round; true when one was stated. `best`: the score of the best of
+/// all laws, as the field's offset also moves when the gyro turns it wrongly.
+bool state_drift(const SelfConsistency& model, const sim::SimulationConfig& simulation, double best, Diagnosis& d) {
   bool stated = false;
-  double best = 0.0;  // among all laws: the field's offset also moves when the gyro turns it wrongly
-  for (const auto& c : ranking) best = std::max(best, c.score);
   for (const Sensor s : {kGyr, kMag}) {
     const std::string id = fmt::format("{}_drift", kSensorName[s]);
     if (contains(simulation.effects, id)) continue;
@@ -125,6 +128,8 @@ bool state_drift(const SelfConsistency& model, const sim::SimulationConfig& simu
   }
   return stated;
 }
+
+bool bent(const SelfConsistency& model) { return model.dispersion() > kDispersion; }
 
 /// The model with one law taken out of the readings; the candidate refers to the laws beside it.
 struct Trial {
@@ -139,6 +144,7 @@ Trial taken_out(const SelfConsistency& model, const sim::SimulationConfig& simul
   t.laws = open_laws(*t.model, simulation, without);
   t.candidate.law = &*std::find_if(t.laws.begin(), t.laws.end(),
                                    [&](const WitnessedLaw& law) { return law.id == candidate.law->id; });
+  if (bent(model)) t.model->start_anew();  // what was settled around the law is bent by it
   detail::relinearise(*t.model, t.candidate, hopeless_nats);
   const double charges = candidate.fit.gain_nats - candidate.score;
   t.candidate.score =
@@ -146,24 +152,31 @@ Trial taken_out(const SelfConsistency& model, const sim::SimulationConfig& simul
   return t;
 }
 
-/// The law that leaves least; none when the best is not worth its charges. Where much is left unexplained the attitude
-/// is bent, and which law bends it back shows only when each has been taken out: `ranking` then has their new scores.
+/// By how much `law` must be better than `other`: of laws as good as each other the one with fewer numbers is named.
+double margin(const WitnessedLaw& law, const WitnessedLaw& other) {
+  return law.numbers() == other.numbers()
+             ? 0.0
+             : std::copysign(detail::kEquivalent_nats, law.numbers() > other.numbers() ? 1.0 : -1.0);
+}
+
+/// The law that leaves least; none when the best is not worth its charges. How much each leaves shows only when it has
+/// been taken out: `ranking` then has their new scores. Where much is left unexplained the attitude is bent, and even
+/// laws far behind are tried.
 Trial best_of(const SelfConsistency& model, const sim::SimulationConfig& simulation,
               const std::vector<std::string>& without, std::vector<Candidate>& ranking) {
-  const bool bent = model.dispersion() > kDispersion;
+  const double near = ranking.empty() ? 0.0 : std::min(kNearShare * ranking[0].score, ranking[0].score - kNear_nats);
   Trial best;
-  for (std::size_t i = 0; i < std::min(bent ? kMostTried : 1, ranking.size()); ++i) {
+  for (std::size_t i = 0; i < std::min(kMostTried, ranking.size()); ++i) {
     Candidate& c = ranking[i];
-    if (c.score < detail::kAbstain_nats) break;
+    if (c.score < detail::kAbstain_nats || (!bent(model) && c.score < near)) break;
     const double hopeless = best.model ? kHopeless * best.model->misfit_nats() : HUGE_VAL;
     Trial t = taken_out(model, simulation, without, c, hopeless);
-    if (bent)
-      c.score = t.candidate.score;
-    else
-      t.candidate.score = c.score;
-    if (c.score > best.candidate.score) best = std::move(t);
+    c.score = t.candidate.score;
+    if (!best.model || c.score > best.candidate.score + margin(*t.candidate.law, *best.candidate.law))
+      best = std::move(t);
   }
   std::sort(ranking.begin(), ranking.end(), [](const auto& a, const auto& b) { return a.score > b.score; });
+  if (best.candidate.score < detail::kAbstain_nats) return {};
   return best;
 }
 
@@ -171,13 +184,18 @@ void search(std::unique_ptr<SelfConsistency>& model, const sim::SimulationConfig
             const std::vector<std::string>& without, Diagnosis& d) {
   double first_gain = 0.0;
   for (int round = 0; round < kMostFindings; ++round) {
-    const auto laws = open_laws(*model, simulation, without);
+    auto laws = open_laws(*model, simulation, without);
+    std::erase_if(laws, [&](const WitnessedLaw& law) {
+      return std::any_of(d.findings.begin(), d.findings.end(), [&](const Finding& f) { return f.effect == law.id; });
+    });
     auto ranking = detail::rank(*model, laws);
     if (round == 0)
       for (const auto& c : ranking) d.ranking.push_back({c.law->id, c.score});
     if (!ranking.empty() && ranking.front().fit.gain_nats < kLeastOfFirst * first_gain) return;
+    const double best_score = ranking.empty() ? 0.0 : std::max(0.0, ranking.front().score);
     Trial best = best_of(*model, simulation, without, ranking);
-    if (round == 0 && state_drift(*model, simulation, ranking, d)) return;
+    const bool left = !best.model || bent(*best.model);  // a law that leaves nothing needs no free offsets
+    if (round == 0 && left && state_drift(*model, simulation, best_score, d)) return;
     if (!best.model) return;
     const Candidate& c = best.candidate;
     Finding f = detail::describe(*best.model, c, ranking);
@@ -224,11 +242,15 @@ Diagnosis diagnose_without_reference(const io::Recording& recording, const sim::
     d.notices.insert(d.notices.end(), raw.notices.begin(), raw.notices.end());
     return d;
   }
-  const detail::DisturbedField disturbed = detail::find_disturbed_field(recording, simulation, raw, rest);
+  const detail::LinesAtRest lines = detail::find_lines_at_rest(recording, simulation, rest, without);
+  d.findings.insert(d.findings.end(), lines.findings.begin(), lines.findings.end());
+  d.notices = lines.notices;
+  const detail::DisturbedField disturbed = detail::find_disturbed_field(lines.without, simulation, raw, rest);
   d.findings.insert(d.findings.end(), disturbed.findings.begin(), disturbed.findings.end());
-  auto model = std::make_unique<SelfConsistency>(recording, simulation, disturbed.masked, rest);
+  auto model = std::make_unique<SelfConsistency>(lines.without, simulation, disturbed.masked, rest);
   model->settle();
   detail::take_out_given(*model, detail::witnessed_laws(*model, simulation), simulation.effects);
+  model->keep_noise();
   const std::array<SelfConsistency::Series, 2> before{model->series(kGyr, {}, {}), model->series(kMag, {}, {})};
   search(model, simulation, without, d);
   std::sort(d.ranking.begin(), d.ranking.end(), [](const auto& a, const auto& b) { return a.gain_nats > b.gain_nats; });

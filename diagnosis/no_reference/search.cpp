@@ -10,6 +10,7 @@ namespace {
 constexpr double kLargestTau_s = 0.1;
 constexpr double kNatsPerCoefficient = 2.0;
 constexpr int kPassesOfGiven = 4;
+constexpr int kHalvings = 12;  // of a grid's step
 
 /// For the coefficients as with a reference (docs/decisions/043), and the logarithm of the number of places and names
 /// searched.
@@ -40,9 +41,11 @@ Candidate over_grid(const SelfConsistency& model, const WitnessedLaw& law) {
     best.grid_ci95 = {left, right};
     return best;
   }
-  const double least = 1e-3 * std::max(1.0, std::abs(best.grid_value));
+  // A step is between two rows; so near to it that a strong one leaves no row on the wrong side.
+  const double least = law.grid_name == "t0" ? 0.25 * model.recording().median_step_s()
+                                             : 1e-3 * std::max(1.0, std::abs(best.grid_value));
   double low = left, high = right;
-  for (int halving = 0; halving < 7 && right - left > least; ++halving) {
+  for (int halving = 0; halving < kHalvings && right - left > least; ++halving) {
     for (const double g : {0.5 * (left + best.grid_value), 0.5 * (best.grid_value + right)}) {
       Candidate c = at(model, law, g);
       if (c.fit.gain_nats < best.fit.gain_nats - 1.92)

@@ -9,7 +9,8 @@
 
 namespace stillpoint::diag::detail {
 
-inline constexpr double kAbstain_nats = 7.0;  ///< after the charges; e^-7 is one false name in a thousand
+inline constexpr double kAbstain_nats = 7.0;     ///< after the charges; e^-7 is one false name in a thousand
+inline constexpr double kEquivalent_nats = 2.5;  ///< names within this of the best are given together
 
 struct Candidate {
   const WitnessedLaw* law = nullptr;

@@ -9,6 +9,8 @@ namespace {
 
 constexpr double kBlock_s =
     10.0;  // held-out blocks: longer than the memory of the noise, shorter than a bout and its rest
+constexpr std::size_t kMostFolds = 8;
+constexpr double kFree = 1e-6;  // of what the readings say: the prior of a law's coefficients when it is held out
 constexpr int kLeastSteps = 3, kMostSteps = 8;
 constexpr double kSettled_nats = 0.1;  // a step worth less changes no verdict
 
@@ -19,6 +21,19 @@ Eigen::MatrixXd products(const Eigen::MatrixXd& columns) {
   return out;
 }
 
+/// What the readings say for the last `law` columns beside those before them, in nats: the logarithm of the evidence
+/// with them less that without. `gram`: products() of the columns, the prior's information added, and of the readings,
+/// which stand last.
+double gain_of_last(const Eigen::MatrixXd& gram, long law) {
+  const long with = gram.cols() - 1;
+  const auto evidence = [&](long n) {
+    const Eigen::LDLT<Eigen::MatrixXd> solver(gram.topLeftCorner(n, n));
+    const Eigen::VectorXd by_column = gram.row(with).head(n).transpose();
+    return 0.5 * (by_column.dot(solver.solve(by_column)) - solver.vectorD().cwiseAbs().array().log().sum());
+  };
+  return evidence(with) - evidence(with - law);
+}
+
 }  // namespace
 
 void SelfConsistency::settle() {
@@ -27,14 +42,15 @@ void SelfConsistency::settle() {
   for (int pass = 0;; ++pass) {
     integrate();
     predict();
-    find_noise();
+    if (!noise_kept_) find_noise();
     expect_closure();
-    information = prior_sd_.cwiseAbs2().cwiseInverse();
     N_ = nuisance_columns();
     whiten(N_);
     Eigen::MatrixXd r = residual();
     whiten(r);
     y_ = r;
+    doubt_ = std::max(1.0, dispersion());
+    information = this->information();
     Eigen::MatrixXd gram = products(N_);
     gram.diagonal() += information;
     gram_.compute(gram);
@@ -52,7 +68,7 @@ void SelfConsistency::settle() {
 /// Whole steps where they help, halved where a wrong matrix has turned the attitude so far that they lead away.
 void SelfConsistency::descend(const Eigen::VectorXd& step, double misfit_nats) {
   constexpr int kHalvings = 6;
-  const Eigen::VectorXd from = x_, information = prior_sd_.cwiseAbs2().cwiseInverse();
+  const Eigen::VectorXd from = x_, information = this->information();
   double share = 1.0;
   for (int k = 0; k < kHalvings; ++k, share *= 0.5) {
     x_ = from + share * step;
@@ -131,43 +147,29 @@ void SelfConsistency::replace(const std::vector<LawColumn>& before, const Eigen:
 
 HeldOutGain SelfConsistency::held_out(const std::vector<LawColumn>& law, const Eigen::VectorXd& applied) const {
   const Eigen::MatrixXd C = whitened(law);
-  const Eigen::VectorXd y = applied.size() > 0 ? (y_ + C * applied).eval() : y_;
-  std::array<std::vector<long>, 2> rows;
-  std::vector<std::size_t> block(static_cast<std::size_t>(y.size()));
-  std::size_t blocks = 0;
-  for (long i = 0; i < y.size(); ++i) {
-    const auto b = static_cast<std::size_t>((recording_.t_s(row_of(i)) - recording_.t_s(0)) / kBlock_s);
-    block[static_cast<std::size_t>(i)] = b;
-    rows[b % 2].push_back(i);
-    blocks = std::max(blocks, b + 1);
-  }
-  std::array<Eigen::VectorXd, 2> value;
-  std::array<Eigen::MatrixXd, 2> n, c, imitated;
-  std::array<Eigen::VectorXd, 2> free_y;
-  for (std::size_t f = 0; f < 2; ++f) {
-    n[f] = N_(rows[f], Eigen::all), c[f] = C(rows[f], Eigen::all);
-    const Eigen::VectorXd yf = y(rows[f]);
-    Eigen::MatrixXd gram = products(n[f]);
-    gram.diagonal() += prior_sd_.cwiseAbs2().cwiseInverse();
-    const Eigen::LDLT<Eigen::MatrixXd> solver(gram);
-    imitated[f] = c[f] - n[f] * solver.solve(n[f].transpose() * c[f]);
-    free_y[f] = yf - n[f] * solver.solve(n[f].transpose() * yf);
-    Eigen::MatrixXd S = c[f].transpose() * imitated[f];
-    for (long i = 0; i < S.rows(); ++i) S(i, i) += 1e-6 * (S(i, i) + 1e-300);
-    value[f] = S.ldlt().solve(c[f].transpose() * free_y[f]);
-  }
-  const double dispersion = std::max(1.0, y_.squaredNorm() / static_cast<double>(y_.size()));
-  std::vector<double> better(blocks, 0.0);
-  for (std::size_t f = 0; f < 2; ++f) {
-    const Eigen::VectorXd after = free_y[f] - imitated[f] * value[1 - f];
-    for (std::size_t i = 0; i < rows[f].size(); ++i) {
-      const auto at = static_cast<long>(i);
-      better[block[static_cast<std::size_t>(rows[f][i])]] +=
-          0.5 * (free_y[f][at] * free_y[f][at] - after[at] * after[at]) / dispersion;
-    }
-  }
+  const double scale = 1.0 / std::sqrt(std::max(1.0, dispersion()));
+  Eigen::MatrixXd columns(N_.rows(), N_.cols() + C.cols() + 1);
+  columns << N_, C, (applied.size() > 0 ? (y_ + C * applied).eval() : y_);
+  columns *= scale;
+  Eigen::VectorXd information(columns.cols());
+  information << prior_sd_.cwiseAbs2().cwiseInverse(), C.colwise().squaredNorm().transpose() * (scale * scale * kFree),
+      0.0;
+  const double span_s = recording_.t_s(recording_.size() - 1) - recording_.t_s(0);
+  const auto blocks = std::min<std::size_t>(kMostFolds, static_cast<std::size_t>(span_s / kBlock_s) + 1);
+  std::vector<std::vector<long>> rows(blocks);
+  for (long i = 0; i < y_.size(); ++i)
+    rows[static_cast<std::size_t>((recording_.t_s(row_of(i)) - recording_.t_s(0)) / kBlock_s) % blocks].push_back(i);
+  std::vector<Eigen::MatrixXd> of_block;
+  std::erase_if(rows, [](const std::vector<long>& r) { return r.empty(); });
+  Eigen::MatrixXd all = information.asDiagonal();
+  for (const auto& r : rows) all += of_block.emplace_back(products(columns(r, Eigen::all)));
   HeldOutGain gain;
-  for (const double b : better) gain.nats += b, gain.blocks_better += b > 0, ++gain.blocks;
+  const double whole = gain_of_last(all, C.cols());
+  for (const Eigen::MatrixXd& block : of_block) {
+    if (rows.size() < 2) break;
+    const double nats = whole - gain_of_last(all - block, C.cols());
+    gain.nats += nats, gain.blocks_better += nats > 0, ++gain.blocks;
+  }
   return gain;
 }
 
@@ -183,7 +185,7 @@ void SelfConsistency::add_nuisances(const Eigen::MatrixXd& C) {
   prior << prior_sd_, C.colwise().norm().transpose().cwiseInverse() * 1e4;  // next to free
   prior_sd_ = prior;
   Eigen::MatrixXd gram = products(N_);
-  gram.diagonal() += prior_sd_.cwiseAbs2().cwiseInverse();
+  gram.diagonal() += information();
   gram_.compute(gram);
 }
 
