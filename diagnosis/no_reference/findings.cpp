@@ -114,7 +114,8 @@ Finding describe(const SelfConsistency& model, const Candidate& c, const std::ve
   const auto columns = c.law->columns(c.grid_value);
   Candidate told = c;
   const Eigen::VectorXd left = c.applied.size() > 0 ? (c.fit.value - c.applied).eval() : c.fit.value;
-  told.fit.sd = c.fit.sd.cwiseMax(model.sd_between_stretches(columns, left));
+  const Eigen::MatrixXd between = model.covariance_between_stretches(columns, left);
+  told.fit.sd = c.fit.sd.cwiseMax(between.diagonal().cwiseSqrt()).cwiseMax(model.beside_wander(columns, c.applied).sd);
   fill_parameters(told, f);
   f.regime = c.law->sensor == kGyr
                  ? "seen in the rate at rest and in how the integrated attitude turns field and gravity"

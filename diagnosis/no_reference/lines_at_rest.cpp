@@ -7,22 +7,23 @@
 #include <cmath>
 #include <numbers>
 #include <optional>
+#include <unsupported/Eigen/FFT>
 
 #include "diagnosis/certainty.h"
 #include "diagnosis/finding_effect.h"
 #include "diagnosis/no_reference/search.h"
+#include "diagnosis/reference/golden_section.h"
 #include "diagnosis/reference/lines.h"
 
 namespace stillpoint::diag::detail {
 namespace {
 
-constexpr int kMostLines = 5;            // of one sensor; stronger ones may be the motion's
+constexpr int kRefinements = 24;
 constexpr double kOfHalfTheRate = 0.25;  // of a bin: nearer to it no recording can tell a line from a flip
 constexpr double kSame = 0.02;           // of the frequency: the body swings, and several sensors see it
 constexpr double kAlike = 0.4;           // of the amplitude at rest: what motion in the same bin may add
 constexpr double kLeastCycles = 2.0;     // in half of the longest rest
 constexpr double kNothing = 1e-6;
-constexpr double kBeside = 4.0;  // bins: what is left of a line that was taken out
 constexpr double kNatsForNumbers = 2.0 * 6.0;
 
 struct Readings {
@@ -122,35 +123,64 @@ Line line_at(const Readings& readings, const std::vector<RestWindow>& rest, doub
   return line;
 }
 
-/// The strongest line of the whole recording that stands at rest as well, as large as in motion: the motion's own do
-/// not.
-std::optional<Line> strongest(Readings readings, const std::vector<RestWindow>& rest, double step_s) {
-  const double span_s = step_s * static_cast<double>(readings.t_s.size()), half_rate_Hz = 0.5 / step_s;
+/// Of the three axes together, at every half bin, relative to the variance of each.
+Eigen::ArrayXd power(const Series3& x) {
+  Eigen::FFT<double> fft;
+  Eigen::ArrayXd sum = Eigen::ArrayXd::Zero(x.rows() + 1);
+  for (int axis = 0; axis < 3; ++axis) {
+    Eigen::VectorXd padded = Eigen::VectorXd::Zero(2 * x.rows());
+    padded.head(x.rows()) = x.col(axis);
+    Eigen::VectorXcd spectrum;
+    fft.fwd(spectrum, padded);
+    sum += spectrum.head(x.rows() + 1).array().abs2() / std::max(x.col(axis).squaredNorm(), 1e-300);
+  }
+  return sum;
+}
+
+/// Nothing but the rests, each about its mean.
+Series3 only_rests(const Series3& x, const std::vector<RestWindow>& rest) {
+  Series3 out = Series3::Zero(x.rows(), 3);
+  for (const auto& w : rest) {
+    const auto first = static_cast<Eigen::Index>(w.first), rows = static_cast<Eigen::Index>(w.last + 1 - w.first);
+    const Series3 y = x.middleRows(first, rows);
+    out.middleRows(first, rows) = y.rowwise() - y.colwise().mean();
+  }
+  return out;
+}
+
+/// The strongest line of the rests, where it goes on through the motion as large as it was. The rests say roughly
+/// where it is, the whole recording exactly.
+std::optional<Line> strongest(const Readings& readings, const std::vector<RestWindow>& rest, double step_s) {
+  const Eigen::Index n = readings.t_s.size();
+  const double span_s = step_s * static_cast<double>(n), half_rate_Hz = 0.5 / step_s, half_bin_Hz = 0.5 / span_s;
   std::size_t longest = 0;
   for (const auto& w : rest) longest = std::max(longest, w.last + 1 - w.first);
-  const double lowest_Hz = 2.0 * kLeastCycles / (step_s * static_cast<double>(longest));
-  std::vector<double> refused_Hz;
-  for (int k = 0; k < kMostLines; ++k) {
-    const Series3 about_mean = readings.corrected.rowwise() - readings.corrected.colwise().mean();
-    const auto found = sharpest_line_Hz(about_mean, readings.t_s.matrix(), step_s);
-    if (!found) return std::nullopt;
-    const bool flips = half_rate_Hz - *found < kOfHalfTheRate / span_s;
-    Line line = line_at(readings, rest, flips ? half_rate_Hz : *found);
-    line.flips = flips;
-    line.score_nats -= kNatsForNumbers + std::log(static_cast<double>(readings.t_s.size()));
-    const Eigen::MatrixXd wave = sine_and_cosine(readings.t_s, line.frequency_Hz);
-    const Amplitude throughout = wave.completeOrthogonalDecomposition().solve(about_mean);
-    const bool beside = std::any_of(refused_Hz.begin(), refused_Hz.end(),
-                                    [&](double f) { return std::abs(f - line.frequency_Hz) < kBeside / span_s; });
-    if (!beside && line.frequency_Hz > lowest_Hz && line.score_nats > kAbstain_nats && line.halves_better == 2 &&
-        (throughout - line.amplitude).norm() < kAlike * line.amplitude.norm()) {
-      line.deviation_Hz = std::sqrt(6.0 / line.score_nats) / (2.0 * std::numbers::pi * span_s);
-      return line;
-    }
-    readings.corrected -= wave * throughout;
-    refused_Hz.push_back(line.frequency_Hz);
-  }
-  return std::nullopt;
+  const double longest_s = step_s * static_cast<double>(longest);
+  const auto lowest = static_cast<Eigen::Index>(2.0 * kLeastCycles / longest_s / half_bin_Hz);
+  if (lowest + 2 >= n) return std::nullopt;
+  const Series3 about_mean = readings.corrected.rowwise() - readings.corrected.colwise().mean();
+  Eigen::Index at = 0;
+  power(only_rests(readings.corrected, rest)).tail(n + 1 - lowest).maxCoeff(&at);
+  at += lowest;
+  const auto reach = static_cast<Eigen::Index>(0.25 / longest_s / half_bin_Hz) + 1;
+  const Eigen::Index from = std::max(at - reach, lowest), to = std::min(at + reach, n);
+  Eigen::Index exact = 0;
+  power(about_mean).segment(from, to + 1 - from).maxCoeff(&exact);
+  const double near_Hz = half_bin_Hz * static_cast<double>(from + exact);
+  const double f = highest_by_golden_section(
+      near_Hz - half_bin_Hz, std::min(near_Hz + half_bin_Hz, half_rate_Hz), kRefinements,
+      [&](double tried) { return (sine_and_cosine(readings.t_s, tried).transpose() * about_mean).squaredNorm(); });
+  const bool flips = half_rate_Hz - f < kOfHalfTheRate / span_s;
+  Line line = line_at(readings, rest, flips ? half_rate_Hz : f);
+  line.flips = flips;
+  const Amplitude throughout =
+      sine_and_cosine(readings.t_s, line.frequency_Hz).completeOrthogonalDecomposition().solve(about_mean);
+  line.score_nats -= kNatsForNumbers + std::log(static_cast<double>(n));
+  if (line.score_nats < kAbstain_nats || line.halves_better < 2 ||
+      (throughout - line.amplitude).norm() > kAlike * line.amplitude.norm())
+    return std::nullopt;
+  line.deviation_Hz = std::sqrt(6.0 / line.score_nats) / (2.0 * std::numbers::pi * span_s);
+  return line;
 }
 
 /// With one phase for all axes: the strongest direction in the plane of sine and cosine.

@@ -5,20 +5,15 @@
 #include <cmath>
 
 #include "core/so3.h"
-#include "diagnosis/median.h"
 #include "diagnosis/no_reference/closure.h"
 
 namespace stillpoint::diag::detail {
 namespace {
 
 constexpr std::size_t kMostMagRows = 9000;
-constexpr double kRestCell_s = 0.5;
 // Of motion integrated at a stretch: between rests far apart the attitude is put right too.
 constexpr double kLeastLeg_s = 1.0, kLeg_s = 8.0;
 constexpr double kMostLegs = 60.0;
-constexpr int kArOrder = 6;
-constexpr std::size_t kNoisePiece = 150;  // readings: many times the order, and short beside a disturbance
-constexpr double kMoreThanNoise = 3.0;    // variance of a piece over the usual one
 constexpr double kLeastClosure_rad = 1e-4;
 // How far the simulation's calibration may be off (matrix entries; offsets in the sensor's unit).
 constexpr double kMatrixPrior = 0.05, kGyroOffsetPrior = 0.05, kAccOffsetPrior = 0.5, kMagOffsetPrior = 10.0,
@@ -62,7 +57,7 @@ SelfConsistency::SelfConsistency(const io::Recording& recording, const sim::Simu
     for (std::size_t i = w.first; i + cell <= w.last + 1; i += cell) cells_.push_back({i, i + cell - 1});
   place_knots();
   first_attitude_ = first_attitude();
-  x_ = Eigen::VectorXd::Zero(kKnotsAt + 3 * static_cast<long>(knots_.size()));
+  x_ = Eigen::VectorXd::Zero(kKnotsAt + 3 * static_cast<long>(knots_.size() + rest_.size()));
   x_.segment<3>(kGyroAt + 9) = offset_at_rest();
   start_ = x_;
   prior_sd_ = Eigen::VectorXd::Constant(x_.size(), kMatrixPrior);
@@ -74,6 +69,7 @@ SelfConsistency::SelfConsistency(const io::Recording& recording, const sim::Simu
   prior_sd_.segment<3>(kMagAt + 9).setConstant(kMagOffsetPrior);
   prior_sd_.segment<3>(kFieldAt).setConstant(kFieldPrior_uT);
   prior_sd_.segment<3>(kKnotsAt).setConstant(kAttitudePrior_rad);
+  prior_sd_.tail(3 * static_cast<long>(rest_.size())).setConstant(kFixed);  // but for beside_wander()
 }
 
 /// The time in which the gyroscope's noise turns the field as much as the magnetometer's own leaves open over that
@@ -121,12 +117,15 @@ void SelfConsistency::integrate() {
   const auto n = recording_.size();
   const auto &gyro = *simulation_.gyroscope, &acc = *simulation_.accelerometer;
   rate_.assign(n, Vec3::Zero()), force_.assign(n, Vec3::Zero()), R_.resize(n);
+  std::size_t rest = 0;
   for (std::size_t i = 0; i < n; ++i) {
     if (recording_.gyr_radps[i].allFinite())
       rate_[i] = corrected(x_, kGyroAt, gyro.matrix * (recording_.gyr_radps[i] - gyro.bias));
     else if (i > 0)
       rate_[i] = rate_[i - 1];
     if (!applied_[kGyr].empty()) rate_[i] -= applied_[kGyr][i];
+    if (rest < rest_.size() && i > rest_[rest].last) ++rest;
+    if (rest < rest_.size() && i >= rest_[rest].first) rate_[i] -= x_.segment<3>(wander_at(rest));
     if (recording_.acc_mps2[i].allFinite())
       force_[i] = corrected(x_, kAccAt, acc.matrix * (recording_.acc_mps2[i] - acc.bias));
     else if (i > 0)
@@ -158,77 +157,6 @@ Vec3 SelfConsistency::cell_mean(const std::vector<Vec3>& v, const Cell& cell) co
   Vec3 sum = Vec3::Zero();
   for (std::size_t i = cell.first; i <= cell.last; ++i) sum += v[i];
   return sum / static_cast<double>(cell.last - cell.first + 1);
-}
-
-/// From pieces of the rests, less those that hold more than noise: a magnet that comes, a current that is switched on.
-void SelfConsistency::find_field_noise() {
-  struct Piece {
-    Eigen::VectorXd covariance = Eigen::VectorXd::Zero(kArOrder + 1);  ///< by lag
-    double count = 0.0;
-  };
-  std::array<std::vector<Piece>, 3> pieces;
-  for (const auto& w : rest_) {
-    std::vector<Vec3> v;
-    for (std::size_t at = 0; at < mag_rows_.size(); ++at) {
-      const std::size_t row = mag_rows_[at];
-      if (row >= w.first && row <= w.last) v.push_back(mag_[row]);
-      const bool ends = at + 1 == mag_rows_.size() || mag_rows_[at + 1] > w.last;
-      if (v.empty() || (v.size() < kNoisePiece && !ends)) continue;
-      if (v.size() >= 3 * kArOrder)
-        for (int k = 0; k < 3; ++k) {
-          Piece p;
-          double mean = 0.0;
-          for (const Vec3& m : v) mean += m[k] / static_cast<double>(v.size());
-          for (std::size_t i = 0; i < v.size(); ++i)
-            for (std::size_t lag = 0; lag <= std::min<std::size_t>(kArOrder, i); ++lag)
-              p.covariance[static_cast<long>(lag)] += (v[i][k] - mean) * (v[i - lag][k] - mean);
-          p.count = static_cast<double>(v.size() - 1);
-          pieces[static_cast<std::size_t>(k)].push_back(std::move(p));
-        }
-      v.clear();
-      if (ends) break;
-    }
-  }
-  for (int k = 0; k < 3; ++k) {
-    auto& ar = mag_ar_[static_cast<std::size_t>(k)];
-    ar = Eigen::VectorXd::Zero(kArOrder);
-    mag_sd_[k] = simulation_.magnetometer ? std::max(simulation_.magnetometer->noise_sd, 1e-9) : 1.0;
-    std::vector<double> variances;
-    for (const Piece& p : pieces[static_cast<std::size_t>(k)]) variances.push_back(p.covariance[0] / p.count);
-    if (variances.empty()) continue;
-    const double limit = kMoreThanNoise * median(variances);
-    Piece sum;
-    for (const Piece& p : pieces[static_cast<std::size_t>(k)])
-      if (p.covariance[0] <= limit * p.count) sum.covariance += p.covariance, sum.count += p.count;
-    if (sum.count < 20 * kArOrder) continue;
-    const Eigen::VectorXd c = sum.covariance / sum.count;
-    Eigen::MatrixXd toeplitz(kArOrder, kArOrder);
-    for (int i = 0; i < kArOrder; ++i)
-      for (int j = 0; j < kArOrder; ++j) toeplitz(i, j) = c[std::abs(i - j)] + (i == j ? 1e-6 * c[0] : 0.0);
-    ar = toeplitz.ldlt().solve(c.tail(kArOrder));
-    mag_sd_[k] = std::sqrt(std::max(c[0] - ar.dot(c.tail(kArOrder)), 1e-6 * c[0] + 1e-18));
-    mag_sd_[k] *= std::max(1.0, leg_s_ / even_leg_s());  // a walk that no knot takes out
-  }
-}
-
-/// Noise from within the rests only, where no law and no misfit of the attitude can enter it: an autoregressive model
-/// of the field, and the scatter of the cell means about their window's mean.
-void SelfConsistency::find_noise() {
-  find_field_noise();
-  Vec3 force2 = Vec3::Zero(), rate2 = Vec3::Zero();
-  double freedom = 0;
-  for (const auto& w : rest_) {
-    std::vector<Vec3> f, g;
-    for (const auto& c : cells_)
-      if (c.first >= w.first && c.last <= w.last) f.push_back(cell_mean(force_, c)), g.push_back(cell_mean(rate_, c));
-    for (std::size_t i = 1; i < f.size(); ++i) {
-      force2 += 0.5 * (f[i] - f[i - 1]).cwiseAbs2(), rate2 += 0.5 * (g[i] - g[i - 1]).cwiseAbs2();
-      freedom += 1;
-    }
-  }
-  if (freedom < 3) return;
-  force_sd_ = (force2 / freedom).cwiseSqrt().array() + 1e-9;
-  rate_sd_ = (rate2 / freedom).cwiseSqrt().array() + 1e-12;
 }
 
 Eigen::VectorXd SelfConsistency::residual() const {
@@ -321,6 +249,11 @@ Eigen::MatrixXd SelfConsistency::nuisance_columns() const {
     for (std::size_t k = 0; k < knots_.size(); ++k) {
       for (std::size_t r = 0; r < n; ++r) unit[r] = (r >= knots_[k] ? 1.0 : 0.0) * Vec3::Unit(j);
       attitude_column(unit, m.col(kKnotsAt + 3 * static_cast<long>(k) + j));
+    }
+    for (std::size_t w = 0; w < rest_.size(); ++w) {
+      for (std::size_t r = 0; r < n; ++r)
+        unit[r] = (r >= rest_[w].first && r <= rest_[w].last ? 1.0 : 0.0) * Vec3::Unit(j);
+      sensor_column(kGyr, unit, m.col(wander_at(w) + j));
     }
   }
   return m;

@@ -34,6 +34,12 @@ struct LawColumn {
 struct LawFit {
   double gain_nats = 0.0;  ///< likelihood gain over the nuisances alone, reduced by the overdispersion that remains
   Eigen::VectorXd value, sd;
+  Eigen::MatrixXd covariance;  ///< of which sd holds the diagonal
+};
+
+struct BesideWander {
+  double gain_nats = 0.0;
+  Eigen::VectorXd sd;  ///< of the law's values
 };
 
 struct HeldOutGain {
@@ -41,7 +47,10 @@ struct HeldOutGain {
   int blocks_better = 0, blocks = 0;
 };
 
-/// Layout of the nuisances: three blocks of 9 (rows of the matrix) + 3 (gyr, acc, mag), the field, then three per knot.
+inline constexpr double kRestCell_s = 0.5;  ///< means over it are the readings of the rests
+
+/// Layout of the nuisances: three blocks of 9 (rows of the matrix) + 3 (gyr, acc, mag), the field, then three per
+/// knot and three per rest.
 inline constexpr long kGyroAt = 0, kAccAt = 12, kMagAt = 24, kFieldAt = 36, kKnotsAt = 39;
 
 class SelfConsistency {
@@ -55,10 +64,13 @@ class SelfConsistency {
   void keep_noise() { noise_kept_ = true; }
   /// `applied` is what of the law replace() has already taken out; the fit is of the whole.
   [[nodiscard]] LawFit fit(const std::vector<LawColumn>& law, const Eigen::VectorXd& applied = {}) const;
-  /// Deviations of a law's values by what stretches of motion say against each other, which a bent attitude or a driver
+  /// Covariance of a law's values by what stretches of motion say against each other, which a bent attitude or a driver
   /// known in part makes more than noise. `left`: the fitted values less what replace() has taken out already.
-  [[nodiscard]] Eigen::VectorXd sd_between_stretches(const std::vector<LawColumn>& law,
-                                                     const Eigen::VectorXd& left) const;
+  [[nodiscard]] Eigen::MatrixXd covariance_between_stretches(const std::vector<LawColumn>& law,
+                                                             const Eigen::VectorXd& left) const;
+  /// The law beside offsets of the gyroscope that differ from rest to rest, as parts flicker and hands sway: by as much
+  /// as suits it best, against as much as suits the readings best without it.
+  [[nodiscard]] BesideWander beside_wander(const std::vector<LawColumn>& law, const Eigen::VectorXd& applied) const;
   /// How much better the law with the nuisances predicts blocks of 10 s than the nuisances alone, each from all the
   /// others: the logarithm of the ratio of what both give for them, with all that either does not know.
   [[nodiscard]] HeldOutGain held_out(const std::vector<LawColumn>& law, const Eigen::VectorXd& applied) const;
@@ -112,6 +124,10 @@ class SelfConsistency {
   [[nodiscard]] Quat first_attitude() const;
   [[nodiscard]] double span_s() const { return recording_.t_s(recording_.size() - 1) - recording_.t_s(first_row()); }
   [[nodiscard]] double even_leg_s() const;
+  /// Where the nuisances hold the gyroscope's offset of one rest beside the constant one.
+  [[nodiscard]] long wander_at(std::size_t rest) const {
+    return kKnotsAt + 3 * static_cast<long>(knots_.size() + rest);
+  }
   void place_knots();
   void integrate();
   void predict();

@@ -12,6 +12,7 @@
 #include "diagnosis/no_reference/field.h"
 #include "diagnosis/no_reference/findings.h"
 #include "diagnosis/no_reference/lines_at_rest.h"
+#include "diagnosis/no_reference/noisy_rail.h"
 #include "diagnosis/no_reference/search.h"
 #include "diagnosis/no_reference/still.h"
 
@@ -22,7 +23,6 @@ using detail::Candidate;
 using detail::SelfConsistency;
 using detail::WitnessedLaw;
 
-constexpr std::size_t kLeastRests = 1;
 constexpr int kMostFindings = 3;
 constexpr double kCoarseOverNoise =
     3.0;  // noise dithers a finer lattice: its bias stays below a tenth of the noise (Widrow 1996)
@@ -38,9 +38,10 @@ constexpr double kForceMisfit = 1.6;  // whitened rms of the accelerometer's res
 void conclude(const SelfConsistency& model, const Forensics& raw, Diagnosis& d) {
   const bool force_off = model.force_misfit() > kForceMisfit;
   d.notices.push_back(
-      "accelerometer: without a reference only its norm at rest is witnessed; its dynamics, delay and cross terms stay "
-      "untested. "
-      "Record rests of 3 s in at least twelve attitudes, or a reference orientation and position");
+      "accelerometer: without a reference it is witnessed at rest alone, by the attitude that the gyroscope carries "
+      "from "
+      "rest to rest; its dynamics and delay stay untested. Record rests of 3 s in at least twelve attitudes, or a "
+      "reference orientation and position");
   const bool unknown =
       std::any_of(d.findings.begin(), d.findings.end(), [](const Finding& f) { return is_unknown(f); });
   if (!d.findings.empty()) {
@@ -80,6 +81,20 @@ void conclude(const SelfConsistency& model, const Forensics& raw, Diagnosis& d) 
   for (const auto& n : raw.notices) d.notices.push_back(n);
 }
 
+const std::string kSpoiled =
+    "the gyroscope's raw values are spoiled, and without a reference everything else is judged by it; repair that "
+    "first";
+
+/// Where the raw values are all that can be judged.
+void judge_raw_only(const std::string& why, const Forensics& raw, Diagnosis& d) {
+  d.verdict = d.findings.empty() ? Verdict::kInsufficientData : Verdict::kPartlyExplained;
+  d.summary = d.findings.empty()
+                  ? "Insufficient data: " + why
+                  : fmt::format("Found {} in the raw values; for the rest: {}", d.findings.front().effect, why);
+  d.notices.push_back(why);
+  d.notices.insert(d.notices.end(), raw.notices.begin(), raw.notices.end());
+}
+
 /// Why nothing beyond the raw values can be judged; empty when it can.
 std::string what_is_missing(const io::Recording& recording, const sim::SimulationConfig& simulation,
                             const Forensics& raw, std::size_t rests) {
@@ -89,17 +104,13 @@ std::string what_is_missing(const io::Recording& recording, const sim::Simulatio
   const bool faulty = std::any_of(raw.findings.begin(), raw.findings.end(), [](const Finding& f) {
     return f.effect.starts_with("gyr_") && !f.effect.ends_with("_quant");
   });
-  if (faulty || coarse)
-    return "the gyroscope's raw values are spoiled, and without a reference everything else is judged by it; repair "
-           "that first";
+  if (faulty || coarse) return kSpoiled;
   if (!gyro || recording.gyr_radps.empty() || !simulation.accelerometer || recording.acc_mps2.empty())
     return "without a reference, gyroscope and accelerometer are both needed: record them or add a reference "
            "orientation";
-  if (rests < kLeastRests)
-    return fmt::format(
-        "{} windows of rest where {} are needed: put the sensor down for 3 s between movements, in different "
-        "attitudes, or record a reference orientation",
-        rests, kLeastRests);
+  if (rests == 0)
+    return "no window of rest: put the sensor down for 3 s between movements, in different attitudes, or record a "
+           "reference orientation";
   return {};
 }
 
@@ -114,19 +125,21 @@ std::vector<WitnessedLaw> open_laws(const SelfConsistency& model, const sim::Sim
 }
 
 /// A slow offset that no law reaches, in the first round; true when one was stated. `best`: the score of the best of
-/// all laws, as the field's offset also moves when the gyro turns it wrongly.
+/// all laws. Of gyroscope and magnetometer the one that explains more: the field's offset moves too where the gyroscope
+/// turns it wrongly.
 bool state_drift(const SelfConsistency& model, const sim::SimulationConfig& simulation, double best, Diagnosis& d) {
-  bool stated = false;
+  std::pair<double, Sensor> most{-HUGE_VAL, kGyr};
   for (const Sensor s : {kGyr, kMag}) {
     const std::string id = fmt::format("{}_drift", kSensorName[s]);
     if (contains(simulation.effects, id)) continue;
     const double drift = detail::drift_score(model, s);
     d.ranking.push_back({id, drift});
-    if (drift < detail::kAbstain_nats || drift < kDriftOverLaw * best + detail::kAbstain_nats) continue;
-    d.findings.push_back(detail::describe_drift(model, s, drift));
-    stated = true;
+    if (drift > most.first) most = {drift, s};
   }
-  return stated;
+  const auto [score, sensor] = most;
+  if (score < detail::kAbstain_nats || score < kDriftOverLaw * best + detail::kAbstain_nats) return false;
+  d.findings.push_back(detail::describe_drift(model, sensor, score));
+  return true;
 }
 
 bool bent(const SelfConsistency& model) { return model.dispersion() > kDispersion; }
@@ -146,9 +159,8 @@ Trial taken_out(const SelfConsistency& model, const sim::SimulationConfig& simul
                                    [&](const WitnessedLaw& law) { return law.id == candidate.law->id; });
   if (bent(model)) t.model->start_anew();  // what was settled around the law is bent by it
   detail::relinearise(*t.model, t.candidate, hopeless_nats);
-  const double charges = candidate.fit.gain_nats - candidate.score;
-  t.candidate.score =
-      detail::plausible(t.candidate) ? model.misfit_nats() - t.model->misfit_nats() - charges : -HUGE_VAL;
+  const double better = model.misfit_nats() - t.model->misfit_nats() - candidate.charges;
+  t.candidate.score = std::isfinite(better) && detail::plausible(t.candidate) ? better : -HUGE_VAL;
   return t;
 }
 
@@ -199,7 +211,8 @@ void search(std::unique_ptr<SelfConsistency>& model, const sim::SimulationConfig
     if (!best.model) return;
     const Candidate& c = best.candidate;
     Finding f = detail::describe(*best.model, c, ranking);
-    if (!(f.held_out.gain_nats > 1.0)) return;
+    if (!(f.held_out.gain_nats > 1.0) || f.channels.empty()) return;
+    if (detail::agreed_nats(*best.model, c) < detail::kAbstain_nats) return;
     if (f.held_out.removable_share_removed < kLeastShare && best.model->dispersion() > kDispersion) {
       d.findings.push_back(detail::describe_unknown(*best.model, c.law->sensor, c));
       return;
@@ -209,6 +222,32 @@ void search(std::unique_ptr<SelfConsistency>& model, const sim::SimulationConfig
     best.model->accept(c.law->columns(c.grid_value));
     model = std::move(best.model);
   }
+}
+
+/// Rails that neither the raw values have told already nor the simulation has.
+std::vector<Finding> open_rails(const io::Recording& recording, const sim::SimulationConfig& simulation,
+                                const Forensics& raw, const std::vector<std::string>& without) {
+  std::vector<Finding> rails = detail::find_noisy_rails(recording, simulation);
+  std::erase_if(rails, [&](const Finding& rail) {
+    const auto is_it = [&](const Finding& other) { return other.effect == rail.effect; };
+    return contains(simulation.effects, rail.effect) ||
+           std::find(without.begin(), without.end(), rail.effect) != without.end() ||
+           std::any_of(raw.findings.begin(), raw.findings.end(), is_it);
+  });
+  return rails;
+}
+
+/// A turntable stands at one rate as a rail does; what is cut off a turn is missing in the attitude after it. True
+/// where the gyroscope's rail was stated.
+bool state_rails(const SelfConsistency& model, std::vector<Finding> rails, Diagnosis& d) {
+  bool gyroscope = false;
+  for (Finding& rail : rails) {
+    const bool of_gyroscope = rail.effect.starts_with(kSensorName[kGyr]);
+    if (of_gyroscope && !bent(model)) continue;
+    gyroscope |= of_gyroscope;
+    d.findings.push_back(std::move(rail));
+  }
+  return gyroscope;
 }
 
 }  // namespace
@@ -234,12 +273,7 @@ Diagnosis diagnose_without_reference(const io::Recording& recording, const sim::
   d.abstention_nats = detail::kAbstain_nats;
   const auto rest = detail::find_rest(recording, simulation);
   if (const std::string why = what_is_missing(recording, simulation, raw, rest.size()); !why.empty()) {
-    d.verdict = d.findings.empty() ? Verdict::kInsufficientData : Verdict::kPartlyExplained;
-    d.summary = d.findings.empty()
-                    ? "Insufficient data: " + why
-                    : fmt::format("Found {} in the raw values; for the rest: {}", d.findings.front().effect, why);
-    d.notices.push_back(why);
-    d.notices.insert(d.notices.end(), raw.notices.begin(), raw.notices.end());
+    judge_raw_only(why, raw, d);
     return d;
   }
   const detail::LinesAtRest lines = detail::find_lines_at_rest(recording, simulation, rest, without);
@@ -252,6 +286,10 @@ Diagnosis diagnose_without_reference(const io::Recording& recording, const sim::
   detail::take_out_given(*model, detail::witnessed_laws(*model, simulation), simulation.effects);
   model->keep_noise();
   const std::array<SelfConsistency::Series, 2> before{model->series(kGyr, {}, {}), model->series(kMag, {}, {})};
+  if (state_rails(*model, open_rails(recording, simulation, raw, without), d)) {
+    judge_raw_only(kSpoiled, raw, d);
+    return d;
+  }
   search(model, simulation, without, d);
   std::sort(d.ranking.begin(), d.ranking.end(), [](const auto& a, const auto& b) { return a.gain_nats > b.gain_nats; });
   detail::fill_channels(*model, before, d);

@@ -93,11 +93,20 @@ bool plausible(const Candidate& c) {
   return true;
 }
 
+double agreed_nats(const SelfConsistency& model, const Candidate& c) {
+  const auto columns = c.law->columns(c.grid_value);
+  const Eigen::VectorXd left = c.applied.size() > 0 ? (c.fit.value - c.applied).eval() : c.fit.value;
+  const Eigen::MatrixXd both = c.fit.covariance + model.covariance_between_stretches(columns, left);
+  return std::min(0.5 * c.fit.value.dot(both.ldlt().solve(c.fit.value)),
+                  model.beside_wander(columns, c.applied).gain_nats - c.charges);
+}
+
 std::vector<Candidate> rank(const SelfConsistency& model, const std::vector<WitnessedLaw>& laws) {
   std::vector<Candidate> all;
   for (const auto& law : laws) {
     Candidate best = law.grid.empty() ? at(model, law, 0.0) : over_grid(model, law);
-    best.score = best.fit.gain_nats - charge(law.names.size(), law.grid.size(), laws.size());
+    best.charges = charge(law.names.size(), law.grid.size(), laws.size());
+    best.score = best.fit.gain_nats - best.charges;
     if (plausible(best)) all.push_back(std::move(best));
   }
   std::sort(all.begin(), all.end(), [](const auto& a, const auto& b) { return a.score > b.score; });

@@ -18,11 +18,16 @@ struct Candidate {
   std::array<double, 2> grid_ci95{};
   LawFit fit;
   Eigen::VectorXd applied;   ///< what of it has been taken out of the readings; empty: nothing
-  double score = -HUGE_VAL;  ///< gain less the charges for parameters and for having searched
+  double charges = 0.0;      ///< for parameters and for having searched
+  double score = -HUGE_VAL;  ///< gain less the charges
 };
 
 /// Whether the fitted numbers are of a size that the law can have.
 [[nodiscard]] bool plausible(const Candidate& candidate);
+
+/// What the values are worth where both their noise and the stretches of the recording, against each other, have a say:
+/// a rest that is none, or an attitude bent for a while, makes a law from one stretch alone.
+[[nodiscard]] double agreed_nats(const SelfConsistency& model, const Candidate& candidate);
 
 /// Every law at its best, by score, highest first. `laws` must outlive the candidates.
 [[nodiscard]] std::vector<Candidate> rank(const SelfConsistency& model, const std::vector<WitnessedLaw>& laws);

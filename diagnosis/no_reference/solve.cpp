@@ -97,17 +97,19 @@ LawFit SelfConsistency::fit(const std::vector<LawColumn>& law, const Eigen::Vect
   const double remains = y_.squaredNorm() - 2.0 * left.dot(C.transpose() * y_) + left.dot(S * left);
   const double dispersion = std::max(1.0, remains / static_cast<double>(y_.size()));
   fit.gain_nats = 0.5 * explained / dispersion;
-  fit.sd = (solver.solve(Eigen::MatrixXd::Identity(S.rows(), S.cols())).diagonal() * dispersion).cwiseAbs().cwiseSqrt();
+  fit.covariance = dispersion * solver.solve(Eigen::MatrixXd::Identity(S.rows(), S.cols()));
+  fit.sd = fit.covariance.diagonal().cwiseAbs().cwiseSqrt();
   return fit;
 }
 
-Eigen::VectorXd SelfConsistency::sd_between_stretches(const std::vector<LawColumn>& law,
-                                                      const Eigen::VectorXd& left) const {
+Eigen::MatrixXd SelfConsistency::covariance_between_stretches(const std::vector<LawColumn>& law,
+                                                              const Eigen::VectorXd& left) const {
   Eigen::MatrixXd C = whitened(law);
   C -= N_ * gram_.solve(N_.transpose() * C);
   const Eigen::VectorXd after = y_ - C * left;
   const Eigen::MatrixXd scores = scores_of_stretches(C.array().colwise() * after.array());
-  return Eigen::LDLT<Eigen::MatrixXd>(C.transpose() * C).solve(scores.transpose()).rowwise().norm();
+  const Eigen::MatrixXd by_stretch = Eigen::LDLT<Eigen::MatrixXd>(C.transpose() * C).solve(scores.transpose());
+  return by_stretch * by_stretch.transpose();
 }
 
 /// Sums of the rows over stretches of the recording, one a row, widened for their being few (Cameron, Gelbach and
@@ -143,6 +145,37 @@ void SelfConsistency::replace(const std::vector<LawColumn>& before, const Eigen:
   take_out(before, -before_value);
   take_out(law, value);
   settle();
+}
+
+BesideWander SelfConsistency::beside_wander(const std::vector<LawColumn>& law, const Eigen::VectorXd& applied) const {
+  const Eigen::MatrixXd C = whitened(law);
+  const double scale = 1.0 / std::sqrt(std::max(1.0, dispersion()));
+  Eigen::MatrixXd columns(N_.rows(), N_.cols() + C.cols() + 1);
+  columns << N_, C, (applied.size() > 0 ? (y_ + C * applied).eval() : y_);
+  columns *= scale;
+  const Eigen::MatrixXd lower = products(columns), gram = lower.selfadjointView<Eigen::Lower>();
+  const long nuisances = N_.cols(), all = nuisances + C.cols();
+  const double cell_radps = simulation_.gyroscope->noise_sd * std::sqrt(recording_.median_step_s() / kRestCell_s);
+  Eigen::VectorXd prior_sd = prior_sd_;
+  double best_without = -HUGE_VAL, best_with = -HUGE_VAL;
+  BesideWander out;
+  for (const double times : {0.02, 0.5, 1.0, 2.0, 4.0, 8.0, 16.0}) {
+    prior_sd.segment(wander_at(0), 3 * static_cast<long>(rest_.size())).setConstant(times * cell_radps);
+    Eigen::MatrixXd A = gram.topLeftCorner(all, all);
+    A.diagonal().head(nuisances) += prior_sd.cwiseAbs2().cwiseInverse();
+    for (long i = nuisances; i < all; ++i) A(i, i) *= 1.0 + 1e-9;
+    const Eigen::LDLT<Eigen::MatrixXd> alone(A.topLeftCorner(nuisances, nuisances)), beside(A);
+    const Eigen::VectorXd b = gram.col(all).head(all), b_alone = b.head(nuisances);
+    const double volume = -0.5 * alone.vectorD().cwiseAbs().array().log().sum() - prior_sd.array().log().sum();
+    best_without = std::max(best_without, volume + 0.5 * b_alone.dot(alone.solve(b_alone)));
+    const double with = volume + 0.5 * b.dot(beside.solve(b));
+    if (with <= best_with) continue;
+    best_with = with;
+    const Eigen::MatrixXd unit = Eigen::MatrixXd::Identity(all, all).rightCols(C.cols());
+    out.sd = beside.solve(unit).bottomRows(C.cols()).diagonal().cwiseAbs().cwiseSqrt();
+  }
+  out.gain_nats = best_with - best_without;
+  return out;
 }
 
 HeldOutGain SelfConsistency::held_out(const std::vector<LawColumn>& law, const Eigen::VectorXd& applied) const {
