@@ -14,6 +14,7 @@ constexpr double kReferenceTemperature_degC = 25.0;
 constexpr double kTemperatureSmoothing_s = 1.0;
 constexpr double kVibrationWindow_s = 0.5;
 constexpr double kEarthRate_radps = 7.292e-5;
+constexpr std::size_t kLeastAttitudes = 3;  // rests, to tell laws of the accelerometer from each other
 constexpr double kStepGrid_s = 1.0, kStepMargin_s = 3.0;
 
 std::vector<double> smoothed(const std::vector<double>& v, std::size_t half) {
@@ -51,7 +52,7 @@ class Laws {
 
   std::vector<WitnessedLaw> all() {
     gyro_laws();
-    force_laws();
+    if (m_.rest().size() >= kLeastAttitudes) force_laws();
     if (simulation_.magnetometer && !m_.recording().mag_uT.empty()) mag_laws();
     return std::move(laws_);
   }

@@ -8,10 +8,10 @@ namespace stillpoint::diag::detail {
 namespace {
 
 constexpr double kStillMotion = 0.3;  // rad/s
-constexpr double kSwayCell_s = 0.5, kSwayLean_rad = 0.03;
+constexpr double kSwayCell_s = 0.5;
 constexpr double kSwayTogether = 0.4;  // correlation of leaning and turning: of noise alone it is a tenth
 
-/// Slow turns, as of a ship: gravity leans far, or it leans as the gyroscope turns.
+/// Slow turns, as of a ship: gravity leans as the gyroscope turns. Where it leans alone the accelerometer drifts.
 bool sways(const io::Recording& r) {
   if (r.acc_mps2.size() != r.gyr_radps.size()) return false;
   const auto length =
@@ -25,18 +25,14 @@ bool sways(const io::Recording& r) {
     up.push_back(force.normalized()), rate.push_back(turn / static_cast<double>(length));
   }
   if (up.size() < 8) return false;
-  Vec3 mean_up = Vec3::Zero(), mean_rate = Vec3::Zero();
-  for (std::size_t i = 0; i < up.size(); ++i) mean_up += up[i], mean_rate += rate[i] / static_cast<double>(up.size());
-  mean_up.normalize();
-  std::size_t leaning = 0;
+  Vec3 mean_rate = Vec3::Zero();
+  for (const Vec3& w : rate) mean_rate += w / static_cast<double>(rate.size());
   double together = 0.0, leans = 0.0, turns = 0.0;
-  for (std::size_t i = 0; i < up.size(); ++i) {
-    leaning += (up[i] - mean_up).norm() > kSwayLean_rad;
-    if (i == 0) continue;
+  for (std::size_t i = 1; i < up.size(); ++i) {
     const Vec3 lean = up[i] - up[i - 1], turn = -(0.5 * (rate[i] + rate[i - 1]) - mean_rate).cross(up[i - 1]);
     together += lean.dot(turn), leans += lean.squaredNorm(), turns += turn.squaredNorm();
   }
-  return leaning * 20 > up.size() || together > kSwayTogether * std::sqrt(leans * turns);
+  return together > kSwayTogether * std::sqrt(leans * turns);
 }
 
 }  // namespace

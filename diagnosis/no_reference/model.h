@@ -6,6 +6,7 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <optional>
 #include <string>
 #include <vector>
@@ -102,6 +103,10 @@ class SelfConsistency {
   [[nodiscard]] const std::vector<Vec3>& force_mps2() const { return force_; }  ///< corrected, every row
   [[nodiscard]] const std::vector<Vec3>& field_uT() const { return field_; }    ///< predicted in the body, every row
   [[nodiscard]] const std::vector<Mat3>& R_world_body() const { return R_; }
+  /// White noise of the gyroscope's mean over half a second, as configured: what a good part's offset flickers by.
+  [[nodiscard]] double cell_radps() const {
+    return simulation_.gyroscope->noise_sd * std::sqrt(recording_.median_step_s() / kRestCell_s);
+  }
   /// Root mean square of the whitened rest readings of the accelerometer: 1 where only noise is left.
   [[nodiscard]] double force_misfit() const;
   /// Of the readings and of what the nuisances had to move against what is expected of them.

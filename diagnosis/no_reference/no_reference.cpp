@@ -192,9 +192,17 @@ Trial best_of(const SelfConsistency& model, const sim::SimulationConfig& simulat
   return best;
 }
 
+/// The model without the law again, but from where the law has led: lower than it was where it had only lost its way.
+std::unique_ptr<SelfConsistency> put_back(const Trial& trial) {
+  auto plain = std::make_unique<SelfConsistency>(*trial.model);
+  plain->replace(trial.candidate.law->columns(trial.candidate.grid_value), trial.candidate.applied, {}, {});
+  return plain;
+}
+
 void search(std::unique_ptr<SelfConsistency>& model, const sim::SimulationConfig& simulation,
             const std::vector<std::string>& without, Diagnosis& d) {
   double first_gain = 0.0;
+  bool lost = false;
   for (int round = 0; round < kMostFindings; ++round) {
     auto laws = open_laws(*model, simulation, without);
     std::erase_if(laws, [&](const WitnessedLaw& law) {
@@ -206,6 +214,15 @@ void search(std::unique_ptr<SelfConsistency>& model, const sim::SimulationConfig
     if (!ranking.empty() && ranking.front().fit.gain_nats < kLeastOfFirst * first_gain) return;
     const double best_score = ranking.empty() ? 0.0 : std::max(0.0, ranking.front().score);
     Trial best = best_of(*model, simulation, without, ranking);
+    if (best.model && bent(*model) && !lost) {
+      auto plain = put_back(best);
+      lost = plain->misfit_nats() < model->misfit_nats() - detail::kAbstain_nats;
+      if (lost) {
+        model = std::move(plain);
+        --round;
+        continue;
+      }
+    }
     const bool left = !best.model || bent(*best.model);  // a law that leaves nothing needs no free offsets
     if (round == 0 && left && state_drift(*model, simulation, best_score, d)) return;
     if (!best.model) return;

@@ -10,7 +10,8 @@ namespace {
 constexpr double kLargestTau_s = 0.1;
 constexpr double kNatsPerCoefficient = 2.0;
 constexpr int kPassesOfGiven = 4;
-constexpr int kHalvings = 12;  // of a grid's step
+constexpr double kFlicker = 4.0;  // of the mean over half a second: parts wander by twice it from rest to rest
+constexpr int kHalvings = 12;     // of a grid's step
 
 /// For the coefficients as with a reference (docs/decisions/043), and the logarithm of the number of places and names
 /// searched.
@@ -122,15 +123,17 @@ void relinearise(SelfConsistency& model, Candidate& c, double hopeless_nats) {
   for (int pass = 0; pass < kMostPasses; ++pass) {
     const Eigen::VectorXd from = c.applied, nuisances = model.nuisances();
     const double misfit = model.misfit_nats();
-    for (double step = 1.0; step >= kLeastStep; step *= 0.5) {  // a whole step may bend the attitude out of reach
+    bool nearer = false;
+    for (double step = 1.0; step >= kLeastStep && !nearer; step *= 0.5) {  // a whole one may bend the attitude too far
       if (step < 1.0) model.start_from(nuisances);
       std::vector<LawColumn> columns = c.law->columns(c.grid_value);
       const Eigen::VectorXd value = from + step * (c.fit.value - from);
       model.replace(taken, c.applied, columns, value);
       taken = std::move(columns);
       c.applied = value;
-      if (model.misfit_nats() < misfit + kAbstain_nats) break;
+      nearer = model.misfit_nats() < misfit + kAbstain_nats;
     }
+    if (!nearer) break;
     c.fit = model.fit(c.law->columns(c.grid_value), c.applied);
     if ((c.fit.value - c.applied).cwiseAbs().cwiseQuotient(c.fit.sd).maxCoeff() < 0.1) break;
     if (pass + 1 >= kFairTrial && model.misfit_nats() > hopeless_nats) break;
@@ -165,8 +168,10 @@ void take_out_given(SelfConsistency& model, const std::vector<WitnessedLaw>& law
 double drift_score(const SelfConsistency& model, Sensor sensor) {
   const auto columns = free_offsets(model, sensor);
   if (columns.empty()) return -HUGE_VAL;
-  const double gain = model.fit(columns).gain_nats;
-  return gain - 1.5 * static_cast<double>(columns.size()) - 4.0;
+  const LawFit fit = model.fit(columns);
+  const double wanders = fit.value.norm() / std::sqrt(static_cast<double>(fit.value.size()));
+  if (sensor == kGyr && wanders < kFlicker * model.cell_radps()) return -HUGE_VAL;
+  return fit.gain_nats - 1.5 * static_cast<double>(columns.size()) - 4.0;
 }
 
 }  // namespace stillpoint::diag::detail

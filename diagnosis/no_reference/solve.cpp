@@ -12,6 +12,7 @@ constexpr double kBlock_s =
 constexpr std::size_t kMostFolds = 8;
 constexpr double kFree = 1e-6;  // of what the readings say: the prior of a law's coefficients when it is held out
 constexpr int kLeastSteps = 3, kMostSteps = 8;
+constexpr double kLeastFall = 1e-4;    // of the misfit; less leads nowhere
 constexpr double kSettled_nats = 0.1;  // a step worth less changes no verdict
 
 /// Of all columns with each other: the lower half, which is all that a Cholesky factorisation reads.
@@ -39,6 +40,7 @@ double gain_of_last(const Eigen::MatrixXd& gram, long law) {
 void SelfConsistency::settle() {
   prior_sd_.conservativeResize(x_.size());
   Eigen::VectorXd information;
+  double before = HUGE_VAL;
   for (int pass = 0;; ++pass) {
     integrate();
     predict();
@@ -56,11 +58,14 @@ void SelfConsistency::settle() {
     gram_.compute(gram);
     const Eigen::VectorXd gradient = N_.transpose() * y_ - information.cwiseProduct(x_);
     const Eigen::VectorXd step = gram_.solve(gradient);
-    if (pass == kMostSteps || (pass >= kLeastSteps && 0.5 * step.dot(gradient) < kSettled_nats)) {
+    const double misfit = 0.5 * (y_.squaredNorm() + x_.cwiseProduct(information).dot(x_));
+    const bool stuck = !(misfit < (1.0 - kLeastFall) * before);
+    if (pass == kMostSteps || (pass >= kLeastSteps && (stuck || 0.5 * step.dot(gradient) < kSettled_nats))) {
       y_ -= N_ * step;  // what this step would still change is taken in the linear model
       break;
     }
-    descend(step, 0.5 * (y_.squaredNorm() + x_.cwiseProduct(information).dot(x_)));
+    before = misfit;
+    descend(step, misfit);
   }
   for (const auto& law : accepted_) add_nuisances(whitened(law));
 }
@@ -155,12 +160,11 @@ BesideWander SelfConsistency::beside_wander(const std::vector<LawColumn>& law, c
   columns *= scale;
   const Eigen::MatrixXd lower = products(columns), gram = lower.selfadjointView<Eigen::Lower>();
   const long nuisances = N_.cols(), all = nuisances + C.cols();
-  const double cell_radps = simulation_.gyroscope->noise_sd * std::sqrt(recording_.median_step_s() / kRestCell_s);
   Eigen::VectorXd prior_sd = prior_sd_;
   double best_without = -HUGE_VAL, best_with = -HUGE_VAL;
   BesideWander out;
   for (const double times : {0.02, 0.5, 1.0, 2.0, 4.0, 8.0, 16.0}) {
-    prior_sd.segment(wander_at(0), 3 * static_cast<long>(rest_.size())).setConstant(times * cell_radps);
+    prior_sd.segment(wander_at(0), 3 * static_cast<long>(rest_.size())).setConstant(times * cell_radps());
     Eigen::MatrixXd A = gram.topLeftCorner(all, all);
     A.diagonal().head(nuisances) += prior_sd.cwiseAbs2().cwiseInverse();
     for (long i = nuisances; i < all; ++i) A(i, i) *= 1.0 + 1e-9;
