@@ -63,7 +63,7 @@ bool wanders(const SelfConsistency& model, Sensor sensor) {
 }
 
 /// The coefficients with their intervals, and the channels in which they matter.
-void fill_parameters(const Candidate& c, Finding& f) {
+void fill_parameters(const Candidate& c, double start_s, Finding& f) {
   Vec3 significance = Vec3::Zero();
   for (std::size_t i = 0; i < c.law->names.size(); ++i) {
     const auto k = static_cast<long>(i);
@@ -80,8 +80,11 @@ void fill_parameters(const Candidate& c, Finding& f) {
     if (!per_axis || significance[k] > 2.6)
       f.channels.push_back(fmt::format("{}_{}", kSensorName[c.law->sensor], "xyz"[k]));
   if (!c.law->grid_name.empty()) {
-    f.parameters.push_back({c.law->grid_name, c.grid_value, c.grid_ci95, c.law->grid_unit});
-    if (c.law->grid_name == "t0") f.interval_s[0] = c.grid_value;
+    const bool step = c.law->grid_name == "t0";  // from the start of the recording, as a simulation has it
+    const double zero = step ? start_s : 0.0;
+    f.parameters.push_back(
+        {c.law->grid_name, c.grid_value - zero, {c.grid_ci95[0] - zero, c.grid_ci95[1] - zero}, c.law->grid_unit});
+    if (step) f.interval_s[0] = c.grid_value;
   }
 }
 
@@ -116,7 +119,7 @@ Finding describe(const SelfConsistency& model, const Candidate& c, const std::ve
   const Eigen::VectorXd left = c.applied.size() > 0 ? (c.fit.value - c.applied).eval() : c.fit.value;
   const Eigen::MatrixXd between = model.covariance_between_stretches(columns, left);
   told.fit.sd = c.fit.sd.cwiseMax(between.diagonal().cwiseSqrt()).cwiseMax(model.beside_wander(columns, c.applied).sd);
-  fill_parameters(told, f);
+  fill_parameters(told, r.t_s(0), f);
   f.regime = c.law->sensor == kGyr
                  ? "seen in the rate at rest and in how the integrated attitude turns field and gravity"
                  : "seen in the field against the attitude integrated from the gyro";

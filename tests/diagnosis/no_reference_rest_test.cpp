@@ -68,11 +68,15 @@ TEST(AtRest, TheGyroscopeWitnessesTheAccelerometer) {
 
 TEST(AtRest, AStepOfTheFieldIsFoundToTheRow) {
   const auto truth = simulated(kHand, "[{effect: mag_field_step, b_world_uT: [9, -6, 10], t0_s: 23.457}]");
-  const auto d = diagnose_without_reference(recorded(truth, 5), simulated(kHand));
+  io::Recording r = recorded(truth, 5);
+  for (std::int64_t& t : r.t_ns) t += 1'000'000'000'000;  // a clock that was not set to zero
+  const auto d = diagnose_without_reference(r, simulated(kHand));
   ASSERT_EQ(d.findings.size(), 1U) << d.summary;
   EXPECT_EQ(d.findings[0].effect, "mag_field_step");
   EXPECT_EQ(d.verdict, Verdict::kExplained) << d.summary;
-  EXPECT_NEAR(value(d.findings[0], "t0"), 23.457, 0.011);
+  EXPECT_NEAR(value(d.findings[0], "t0"), 23.457, 0.011);  // as in a simulation, which begins at zero
+  EXPECT_NEAR(d.findings[0].interval_s[0], 1023.457, 0.011);
+  EXPECT_EQ(diagnose_without_reference(r, truth).verdict, Verdict::kNoMismatch);
 }
 
 /// Of 60 Hz at 100 rows a second 40 are read.
