@@ -74,4 +74,12 @@ bool contains(const std::vector<sim::EffectConfig>& entries, const std::string& 
   return std::any_of(entries.begin(), entries.end(), [&id](const auto& e) { return e.id == id; });
 }
 
+bool contains(const std::vector<Finding>& findings, const std::string& id) {
+  return std::any_of(findings.begin(), findings.end(), [&id](const Finding& f) { return f.effect == id; });
+}
+
+bool contains(const std::vector<std::string>& ids, const std::string& id) {
+  return std::find(ids.begin(), ids.end(), id) != ids.end();
+}
+
 }  // namespace stillpoint::diag

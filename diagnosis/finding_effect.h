@@ -16,5 +16,7 @@ namespace stillpoint::diag {
 
 /// Whether one of the entries is of this effect.
 [[nodiscard]] bool contains(const std::vector<sim::EffectConfig>& entries, const std::string& id);
+[[nodiscard]] bool contains(const std::vector<Finding>& findings, const std::string& id);
+[[nodiscard]] bool contains(const std::vector<std::string>& ids, const std::string& id);
 
 }  // namespace stillpoint::diag

@@ -30,8 +30,6 @@ struct Cell {
   double departure_uT = 0.0;
 };
 
-Vec3 corrected(const sim::TriadConfig& t, const Vec3& y) { return t.matrix * (y - t.bias); }
-
 std::vector<Cell> cells_of(const io::Recording& r, const sim::SimulationConfig& simulation, const Forensics& raw,
                            const std::vector<RestWindow>& rest) {
   const auto n = std::max<std::size_t>(2, static_cast<std::size_t>(std::lround(kCell_s / r.median_step_s())));

@@ -63,17 +63,17 @@ bool wanders(const SelfConsistency& model, Sensor sensor) {
 }
 
 /// The coefficients with their intervals, and the channels in which they matter.
-void fill_parameters(const Candidate& c, double start_s, Finding& f) {
+void fill_parameters(const Candidate& c, const Eigen::VectorXd& sd, double start_s, Finding& f) {
   Vec3 significance = Vec3::Zero();
   for (std::size_t i = 0; i < c.law->names.size(); ++i) {
     const auto k = static_cast<long>(i);
-    const double half = 1.96 * c.fit.sd[k];
+    const double half = 1.96 * sd[k];
     f.parameters.push_back({c.law->names[i],
                             c.fit.value[k],
                             {c.fit.value[k] - half, c.fit.value[k] + half},
                             c.law->unit + (c.law->names[i].starts_with("k2") ? "^2" : "")});
     const int axis = c.law->names.size() == 9 ? static_cast<int>(i / 3) : static_cast<int>(i % 3);
-    significance[axis] = std::max(significance[axis], std::abs(c.fit.value[k]) / c.fit.sd[k]);
+    significance[axis] = std::max(significance[axis], std::abs(c.fit.value[k]) / sd[k]);
   }
   const bool per_axis = c.law->names.size() % 3 == 0 && c.law->id != "mag_field_step";
   for (int k = 0; k < 3; ++k)
@@ -107,7 +107,8 @@ void fill_rivals(const Candidate& c, const std::vector<Candidate>& ranking, Find
 
 }  // namespace
 
-Finding describe(const SelfConsistency& model, const Candidate& c, const std::vector<Candidate>& ranking) {
+Finding describe(const SelfConsistency& model, const Candidate& c, const Eigen::VectorXd& sd,
+                 const std::vector<Candidate>& ranking) {
   Finding f;
   f.effect = c.law->id;
   f.equation = c.law->equation;
@@ -115,11 +116,7 @@ Finding describe(const SelfConsistency& model, const Candidate& c, const std::ve
   const auto& r = model.recording();
   f.interval_s = {r.t_s(0), r.t_s(r.size() - 1)};
   const auto columns = c.law->columns(c.grid_value);
-  Candidate told = c;
-  const Eigen::VectorXd left = c.applied.size() > 0 ? (c.fit.value - c.applied).eval() : c.fit.value;
-  const Eigen::MatrixXd between = model.covariance_between_stretches(columns, left);
-  told.fit.sd = c.fit.sd.cwiseMax(between.diagonal().cwiseSqrt()).cwiseMax(model.beside_wander(columns, c.applied).sd);
-  fill_parameters(told, r.t_s(0), f);
+  fill_parameters(c, sd, r.t_s(0), f);
   f.regime = c.law->sensor == kGyr
                  ? "seen in the rate at rest and in how the integrated attitude turns field and gravity"
                  : "seen in the field against the attitude integrated from the gyro";

@@ -5,7 +5,8 @@
 
 namespace stillpoint::diag::detail {
 
-[[nodiscard]] Finding describe(const SelfConsistency& model, const Candidate& candidate,
+/// `sd`: deviations of the law's values.
+[[nodiscard]] Finding describe(const SelfConsistency& model, const Candidate& candidate, const Eigen::VectorXd& sd,
                                const std::vector<Candidate>& ranking);
 /// A slow offset that no law of the recording's drivers describes.
 [[nodiscard]] Finding describe_drift(const SelfConsistency& model, Sensor sensor, double score);

@@ -12,17 +12,14 @@
 #include "diagnosis/certainty.h"
 #include "diagnosis/finding_effect.h"
 #include "diagnosis/no_reference/search.h"
-#include "diagnosis/reference/golden_section.h"
 #include "diagnosis/reference/lines.h"
 
 namespace stillpoint::diag::detail {
 namespace {
 
-constexpr int kRefinements = 24;
-constexpr double kOfHalfTheRate = 0.25;  // of a bin: nearer to it no recording can tell a line from a flip
-constexpr double kSame = 0.02;           // of the frequency: the body swings, and several sensors see it
-constexpr double kAlike = 0.4;           // of the amplitude at rest: what motion in the same bin may add
-constexpr double kLeastCycles = 2.0;     // in half of the longest rest
+constexpr double kSame = 0.02;        // of the frequency: the body swings, and several sensors see it
+constexpr double kAlike = 0.4;        // of the amplitude at rest: what motion in the same bin may add
+constexpr double kLeastCycles = 2.0;  // in half of the longest rest
 constexpr double kNothing = 1e-6;
 constexpr double kNatsForNumbers = 2.0 * 6.0;
 
@@ -31,15 +28,20 @@ struct Readings {
   Series3 corrected;   ///< by the simulation's numbers; gaps hold the reading before
 };
 
+Eigen::ArrayXd seconds_of(const io::Recording& r) {
+  Eigen::ArrayXd t_s(static_cast<Eigen::Index>(r.size()));
+  for (std::size_t i = 0; i < r.size(); ++i) t_s[static_cast<Eigen::Index>(i)] = r.t_s(i) - r.t_s(0);
+  return t_s;
+}
+
 Readings readings_of(const io::Recording& r, const sim::TriadConfig& simulated, Sensor sensor) {
   const auto& y = triad(r, sensor);
   const auto n = static_cast<Eigen::Index>(y.size());
-  Readings out{Eigen::ArrayXd(n), Series3::Zero(n, 3)};
+  Readings out{seconds_of(r), Series3::Zero(n, 3)};
   for (Eigen::Index i = 0; i < n; ++i) {
     const auto row = static_cast<std::size_t>(i);
-    out.t_s[i] = r.t_s(row) - r.t_s(0);
     if (y[row].allFinite())
-      out.corrected.row(i) = simulated.matrix * (y[row] - simulated.bias);
+      out.corrected.row(i) = corrected(simulated, y[row]);
     else if (i > 0)
       out.corrected.row(i) = out.corrected.row(i - 1);
   }
@@ -167,10 +169,8 @@ std::optional<Line> strongest(const Readings& readings, const std::vector<RestWi
   Eigen::Index exact = 0;
   power(about_mean).segment(from, to + 1 - from).maxCoeff(&exact);
   const double near_Hz = half_bin_Hz * static_cast<double>(from + exact);
-  const double f = highest_by_golden_section(
-      near_Hz - half_bin_Hz, std::min(near_Hz + half_bin_Hz, half_rate_Hz), kRefinements,
-      [&](double tried) { return (sine_and_cosine(readings.t_s, tried).transpose() * about_mean).squaredNorm(); });
-  const bool flips = half_rate_Hz - f < kOfHalfTheRate / span_s;
+  const double f = refined_Hz(about_mean, readings.t_s.matrix(), near_Hz, half_bin_Hz, half_rate_Hz);
+  const bool flips = is_flip(f, 1.0 / span_s, half_rate_Hz);
   Line line = line_at(readings, rest, flips ? half_rate_Hz : f);
   line.flips = flips;
   const Amplitude throughout =
@@ -223,11 +223,9 @@ Finding describe(const io::Recording& r, const Line& line, Sensor sensor) {
 
 void take_out(const Line& line, const sim::TriadConfig& simulated, Sensor sensor, io::Recording& r) {
   auto& y = sensor == kAcc ? r.acc_mps2 : sensor == kGyr ? r.gyr_radps : r.mag_uT;
+  const Series3 swing = sine_and_cosine(seconds_of(r), line.frequency_Hz) * line.amplitude;
   const Mat3 raw = simulated.matrix.inverse();
-  for (std::size_t i = 0; i < y.size(); ++i) {
-    const Eigen::ArrayXd t_s = Eigen::ArrayXd::Constant(1, r.t_s(i) - r.t_s(0));
-    y[i] -= raw * (sine_and_cosine(t_s, line.frequency_Hz) * line.amplitude).transpose();
-  }
+  for (std::size_t i = 0; i < y.size(); ++i) y[i] -= raw * swing.row(static_cast<Eigen::Index>(i)).transpose();
 }
 
 bool is_given(const sim::SimulationConfig& simulation, Sensor sensor) {
@@ -257,8 +255,7 @@ LinesAtRest find_lines_at_rest(const io::Recording& recording, const sim::Simula
     if (!lines[s] || (lines[s]->flips && s != kMag)) continue;
     take_out(*lines[s], *triad(simulation, s), s, out.without);
     Finding f = describe(recording, *lines[s], s);
-    const bool hidden = std::find(without.begin(), without.end(), f.effect) != without.end();
-    if (!hidden && !(shaken && s != kMag)) out.findings.push_back(std::move(f));
+    if (!contains(without, f.effect) && !(shaken && s != kMag)) out.findings.push_back(std::move(f));
   }
   return out;
 }

@@ -19,6 +19,7 @@ constexpr double kLeastClosure_rad = 1e-4;
 constexpr double kMatrixPrior = 0.05, kGyroOffsetPrior = 0.05, kAccOffsetPrior = 0.5, kMagOffsetPrior = 10.0,
                  kFieldPrior_uT = 8.0, kAttitudePrior_rad = 0.5, kFixed = 1e-9;
 
+/// By the nuisances as well.
 Vec3 corrected(const Eigen::VectorXd& x, long at, const Vec3& u) {
   Vec3 d = x.segment<3>(at + 9);
   for (int i = 0; i < 3; ++i) d[i] += x.segment<3>(at + 3 * i).dot(u);
@@ -57,9 +58,7 @@ SelfConsistency::SelfConsistency(const io::Recording& recording, const sim::Simu
     for (std::size_t i = w.first; i + cell <= w.last + 1; i += cell) cells_.push_back({i, i + cell - 1});
   place_knots();
   first_attitude_ = first_attitude();
-  x_ = Eigen::VectorXd::Zero(kKnotsAt + 3 * static_cast<long>(knots_.size() + rest_.size()));
-  x_.segment<3>(kGyroAt + 9) = offset_at_rest();
-  start_ = x_;
+  start_anew();
   prior_sd_ = Eigen::VectorXd::Constant(x_.size(), kMatrixPrior);
   // A common turn of all sensors against the body changes nothing that they see: the body's axes are those in which the
   // accelerometer's matrix is triangular (Tedaldi, Pretto and Menegatti, ICRA 2014).
@@ -69,7 +68,11 @@ SelfConsistency::SelfConsistency(const io::Recording& recording, const sim::Simu
   prior_sd_.segment<3>(kMagAt + 9).setConstant(kMagOffsetPrior);
   prior_sd_.segment<3>(kFieldAt).setConstant(kFieldPrior_uT);
   prior_sd_.segment<3>(kKnotsAt).setConstant(kAttitudePrior_rad);
-  prior_sd_.tail(3 * static_cast<long>(rest_.size())).setConstant(kFixed);  // but for beside_wander()
+}
+
+void SelfConsistency::start_anew() {
+  x_ = Eigen::VectorXd::Zero(kKnotsAt + 3 * static_cast<long>(knots_.size()));
+  x_.segment<3>(kGyroAt + 9) = offset_at_rest();
 }
 
 /// The time in which the gyroscope's noise turns the field as much as the magnetometer's own leaves open over that
@@ -117,17 +120,14 @@ void SelfConsistency::integrate() {
   const auto n = recording_.size();
   const auto &gyro = *simulation_.gyroscope, &acc = *simulation_.accelerometer;
   rate_.assign(n, Vec3::Zero()), force_.assign(n, Vec3::Zero()), R_.resize(n);
-  std::size_t rest = 0;
   for (std::size_t i = 0; i < n; ++i) {
     if (recording_.gyr_radps[i].allFinite())
-      rate_[i] = corrected(x_, kGyroAt, gyro.matrix * (recording_.gyr_radps[i] - gyro.bias));
+      rate_[i] = corrected(x_, kGyroAt, corrected(gyro, recording_.gyr_radps[i]));
     else if (i > 0)
       rate_[i] = rate_[i - 1];
     if (!applied_[kGyr].empty()) rate_[i] -= applied_[kGyr][i];
-    if (rest < rest_.size() && i > rest_[rest].last) ++rest;
-    if (rest < rest_.size() && i >= rest_[rest].first) rate_[i] -= x_.segment<3>(wander_at(rest));
     if (recording_.acc_mps2[i].allFinite())
-      force_[i] = corrected(x_, kAccAt, acc.matrix * (recording_.acc_mps2[i] - acc.bias));
+      force_[i] = corrected(x_, kAccAt, corrected(acc, recording_.acc_mps2[i]));
     else if (i > 0)
       force_[i] = force_[i - 1];
     if (!applied_[kAcc].empty()) force_[i] -= applied_[kAcc][i];
@@ -147,8 +147,7 @@ void SelfConsistency::predict() {
   mag_.assign(recording_.size(), Vec3::Zero()), field_.resize(recording_.size());
   for (std::size_t i = 0; i < recording_.size(); ++i) field_[i] = R_[i].transpose() * m_w;
   for (const std::size_t i : mag_rows_) {
-    mag_[i] = corrected(x_, kMagAt,
-                        simulation_.magnetometer->matrix * (recording_.mag_uT[i] - simulation_.magnetometer->bias));
+    mag_[i] = corrected(x_, kMagAt, corrected(*simulation_.magnetometer, recording_.mag_uT[i]));
     if (!applied_[kMag].empty()) mag_[i] -= applied_[kMag][i];
   }
 }
@@ -249,11 +248,6 @@ Eigen::MatrixXd SelfConsistency::nuisance_columns() const {
     for (std::size_t k = 0; k < knots_.size(); ++k) {
       for (std::size_t r = 0; r < n; ++r) unit[r] = (r >= knots_[k] ? 1.0 : 0.0) * Vec3::Unit(j);
       attitude_column(unit, m.col(kKnotsAt + 3 * static_cast<long>(k) + j));
-    }
-    for (std::size_t w = 0; w < rest_.size(); ++w) {
-      for (std::size_t r = 0; r < n; ++r)
-        unit[r] = (r >= rest_[w].first && r <= rest_[w].last ? 1.0 : 0.0) * Vec3::Unit(j);
-      sensor_column(kGyr, unit, m.col(wander_at(w) + j));
     }
   }
   return m;

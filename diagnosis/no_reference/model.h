@@ -22,6 +22,11 @@ struct RestWindow {
   std::size_t first = 0, last = 0;  ///< rows, inclusive
 };
 
+/// What the simulation takes a reading for.
+[[nodiscard]] inline Vec3 corrected(const sim::TriadConfig& simulated, const Vec3& reading) {
+  return simulated.matrix * (reading - simulated.bias);
+}
+
 /// Windows of at least a second in which nothing turns and nothing shakes.
 [[nodiscard]] std::vector<RestWindow> find_rest(const io::Recording& recording,
                                                 const sim::SimulationConfig& simulation);
@@ -50,8 +55,7 @@ struct HeldOutGain {
 
 inline constexpr double kRestCell_s = 0.5;  ///< means over it are the readings of the rests
 
-/// Layout of the nuisances: three blocks of 9 (rows of the matrix) + 3 (gyr, acc, mag), the field, then three per
-/// knot and three per rest.
+/// Layout of the nuisances: three blocks of 9 (rows of the matrix) + 3 (gyr, acc, mag), the field, then three per knot.
 inline constexpr long kGyroAt = 0, kAccAt = 12, kMagAt = 24, kFieldAt = 36, kKnotsAt = 39;
 
 class SelfConsistency {
@@ -85,7 +89,7 @@ class SelfConsistency {
   /// The nuisances as they stand, and a return to where they once stood, which the next settling starts from.
   [[nodiscard]] const Eigen::VectorXd& nuisances() const { return x_; }
   void start_from(const Eigen::VectorXd& nuisances) { x_ = nuisances; }
-  void start_anew() { x_ = start_; }  ///< from the simulation's numbers and the gyroscope's offset at rest
+  void start_anew();  ///< from the simulation's numbers and the gyroscope's offset at rest
 
   /// Offsets and matrices of the simulation that the nuisances contradict.
   [[nodiscard]] std::vector<ConfigurationFault> wrong_numbers() const;
@@ -129,20 +133,21 @@ class SelfConsistency {
   [[nodiscard]] Quat first_attitude() const;
   [[nodiscard]] double span_s() const { return recording_.t_s(recording_.size() - 1) - recording_.t_s(first_row()); }
   [[nodiscard]] double even_leg_s() const;
-  /// Where the nuisances hold the gyroscope's offset of one rest beside the constant one.
-  [[nodiscard]] long wander_at(std::size_t rest) const {
-    return kKnotsAt + 3 * static_cast<long>(knots_.size() + rest);
-  }
   void place_knots();
   void integrate();
   void predict();
   void find_noise();
   void find_field_noise();
+  [[nodiscard]] std::vector<std::vector<Vec3>> field_at_rest(std::size_t most_rows) const;
   void expect_closure();
   void descend(const Eigen::VectorXd& step, double misfit_nats);
   [[nodiscard]] Eigen::MatrixXd columns(const std::vector<LawColumn>& law) const;  ///< not yet whitened
   [[nodiscard]] Eigen::MatrixXd whitened(const std::vector<LawColumn>& law) const;
   [[nodiscard]] Eigen::MatrixXd nuisance_columns() const;  ///< not yet whitened
+  [[nodiscard]] Eigen::MatrixXd beside_nuisances(const std::vector<LawColumn>& others,
+                                                 const std::vector<LawColumn>& law,
+                                                 const Eigen::VectorXd& applied) const;
+  [[nodiscard]] std::vector<LawColumn> offsets_of_rests() const;
   [[nodiscard]] Eigen::MatrixXd scores_of_stretches(const Eigen::MatrixXd& rows) const;
   [[nodiscard]] std::size_t row_of(long i) const;
   void add_nuisances(const Eigen::MatrixXd& whitened_columns);
@@ -166,14 +171,14 @@ class SelfConsistency {
   std::vector<Mat3> R_;
   Vec3 field_world_;
   Quat first_attitude_;
-  Eigen::VectorXd x_, start_, prior_sd_;  ///< nuisances as they stand and stood, and how far the simulation may be off
+  Eigen::VectorXd x_, prior_sd_;  ///< nuisances as they stand, and how far the simulation may be off
   std::vector<std::vector<LawColumn>> accepted_;
   std::array<Eigen::VectorXd, 3> mag_ar_;
   Vec3 mag_sd_ = Vec3::Ones(), force_sd_ = Vec3::Ones(), rate_sd_ = Vec3::Ones();
 
   bool noise_kept_ = false;
-  double doubt_ =
-      1.0;  ///< mean square of the whitened residual, at least 1: what no nuisance explains must not bend them
+  /// Mean square of the whitened residual, at least 1: what no nuisance explains must not bend them.
+  double doubt_ = 1.0;
 
   Eigen::MatrixXd N_;  ///< whitened nuisance columns
   Eigen::VectorXd y_;  ///< whitened residual

@@ -81,7 +81,7 @@ void conclude(const SelfConsistency& model, const Forensics& raw, Diagnosis& d) 
   for (const auto& n : raw.notices) d.notices.push_back(n);
 }
 
-const std::string kSpoiled =
+constexpr const char* kSpoiled =
     "the gyroscope's raw values are spoiled, and without a reference everything else is judged by it; repair that "
     "first";
 
@@ -118,9 +118,8 @@ std::string what_is_missing(const io::Recording& recording, const sim::Simulatio
 std::vector<WitnessedLaw> open_laws(const SelfConsistency& model, const sim::SimulationConfig& simulation,
                                     const std::vector<std::string>& without) {
   auto laws = detail::witnessed_laws(model, simulation);
-  std::erase_if(laws, [&](const WitnessedLaw& law) {
-    return contains(simulation.effects, law.id) || std::find(without.begin(), without.end(), law.id) != without.end();
-  });
+  std::erase_if(
+      laws, [&](const WitnessedLaw& law) { return contains(simulation.effects, law.id) || contains(without, law.id); });
   return laws;
 }
 
@@ -199,45 +198,58 @@ std::unique_ptr<SelfConsistency> put_back(const Trial& trial) {
   return plain;
 }
 
+/// What is open in one round, by score before and after it was tried, and the best of it.
+struct Round {
+  std::vector<WitnessedLaw> laws;
+  std::vector<Candidate> untried, ranking;
+  Trial best;
+};
+
+Round look(const SelfConsistency& model, const sim::SimulationConfig& simulation,
+           const std::vector<std::string>& without, const Diagnosis& d, double least_gain) {
+  Round r;
+  r.laws = open_laws(model, simulation, without);
+  std::erase_if(r.laws, [&](const WitnessedLaw& law) { return contains(d.findings, law.id); });
+  r.untried = r.ranking = detail::rank(model, r.laws);
+  if (!r.ranking.empty() && r.ranking.front().fit.gain_nats >= least_gain)
+    r.best = best_of(model, simulation, without, r.ranking);
+  return r;
+}
+
 void search(std::unique_ptr<SelfConsistency>& model, const sim::SimulationConfig& simulation,
             const std::vector<std::string>& without, Diagnosis& d) {
   double first_gain = 0.0;
   bool lost = false;
   for (int round = 0; round < kMostFindings; ++round) {
-    auto laws = open_laws(*model, simulation, without);
-    std::erase_if(laws, [&](const WitnessedLaw& law) {
-      return std::any_of(d.findings.begin(), d.findings.end(), [&](const Finding& f) { return f.effect == law.id; });
-    });
-    auto ranking = detail::rank(*model, laws);
-    if (round == 0)
-      for (const auto& c : ranking) d.ranking.push_back({c.law->id, c.score});
-    if (!ranking.empty() && ranking.front().fit.gain_nats < kLeastOfFirst * first_gain) return;
-    const double best_score = ranking.empty() ? 0.0 : std::max(0.0, ranking.front().score);
-    Trial best = best_of(*model, simulation, without, ranking);
-    if (best.model && bent(*model) && !lost) {
-      auto plain = put_back(best);
+    Round r = look(*model, simulation, without, d, kLeastOfFirst * first_gain);
+    if (r.best.model && bent(*model) && !lost) {
+      auto plain = put_back(r.best);
       lost = plain->misfit_nats() < model->misfit_nats() - detail::kAbstain_nats;
       if (lost) {
         model = std::move(plain);
-        --round;
-        continue;
+        r = look(*model, simulation, without, d, kLeastOfFirst * first_gain);
       }
     }
-    const bool left = !best.model || bent(*best.model);  // a law that leaves nothing needs no free offsets
-    if (round == 0 && left && state_drift(*model, simulation, best_score, d)) return;
-    if (!best.model) return;
-    const Candidate& c = best.candidate;
-    Finding f = detail::describe(*best.model, c, ranking);
+    if (round == 0) {
+      for (const auto& c : r.untried) d.ranking.push_back({c.law->id, c.score});
+      const double best = r.untried.empty() ? 0.0 : std::max(0.0, r.untried.front().score);
+      const bool left = !r.best.model || bent(*r.best.model);  // a law that leaves nothing needs no free offsets
+      if (left && state_drift(*model, simulation, best, d)) return;
+    }
+    if (!r.best.model) return;
+    const Candidate& c = r.best.candidate;
+    const detail::Agreement agreed = detail::agreement(*r.best.model, c);
+    if (agreed.nats < detail::kAbstain_nats) return;
+    Finding f = detail::describe(*r.best.model, c, agreed.sd, r.ranking);
     if (!(f.held_out.gain_nats > 1.0) || f.channels.empty()) return;
-    if (detail::agreed_nats(*best.model, c) < detail::kAbstain_nats) return;
-    if (f.held_out.removable_share_removed < kLeastShare && best.model->dispersion() > kDispersion) {
-      d.findings.push_back(detail::describe_unknown(*best.model, c.law->sensor, c));
+    if (f.held_out.removable_share_removed < kLeastShare && bent(*r.best.model)) {
+      d.findings.push_back(detail::describe_unknown(*r.best.model, c.law->sensor, c));
       return;
     }
     first_gain = std::max(first_gain, c.fit.gain_nats);
     d.findings.push_back(std::move(f));
-    best.model->accept(c.law->columns(c.grid_value));
-    model = std::move(best.model);
+    r.best.model->accept(c.law->columns(c.grid_value));
+    model = std::move(r.best.model);
   }
 }
 
@@ -246,10 +258,8 @@ std::vector<Finding> open_rails(const io::Recording& recording, const sim::Simul
                                 const Forensics& raw, const std::vector<std::string>& without) {
   std::vector<Finding> rails = detail::find_noisy_rails(recording, simulation);
   std::erase_if(rails, [&](const Finding& rail) {
-    const auto is_it = [&](const Finding& other) { return other.effect == rail.effect; };
-    return contains(simulation.effects, rail.effect) ||
-           std::find(without.begin(), without.end(), rail.effect) != without.end() ||
-           std::any_of(raw.findings.begin(), raw.findings.end(), is_it);
+    return contains(simulation.effects, rail.effect) || contains(without, rail.effect) ||
+           contains(raw.findings, rail.effect);
   });
   return rails;
 }

@@ -3,6 +3,7 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "diagnosis/median.h"
 #include "diagnosis/no_reference/model.h"
@@ -14,50 +15,59 @@ constexpr int kArOrder = 6;
 constexpr std::size_t kNoisePiece = 150;  // readings: many times the order, and short beside a disturbance
 constexpr double kMoreThanNoise = 3.0;    // variance of a piece over the usual one
 
+struct Autocovariance {
+  Eigen::VectorXd sum = Eigen::VectorXd::Zero(kArOrder + 1);  ///< by lag
+  double count = 0.0;
+
+  Autocovariance() = default;
+  Autocovariance(const std::vector<Vec3>& x, int axis) : count(static_cast<double>(x.size() - 1)) {
+    double mean = 0.0;
+    for (const Vec3& v : x) mean += v[axis] / static_cast<double>(x.size());
+    for (std::size_t i = 0; i < x.size(); ++i)
+      for (std::size_t lag = 0; lag <= std::min<std::size_t>(kArOrder, i); ++lag)
+        sum[static_cast<long>(lag)] += (x[i][axis] - mean) * (x[i - lag][axis] - mean);
+  }
+};
+
 }  // namespace
+
+/// The field's readings in pieces, none over the end of a rest.
+std::vector<std::vector<Vec3>> SelfConsistency::field_at_rest(std::size_t most_rows) const {
+  std::vector<std::vector<Vec3>> pieces;
+  std::size_t at = 0;
+  for (const auto& w : rest_) {
+    std::vector<Vec3> piece;
+    for (; at < mag_rows_.size() && mag_rows_[at] <= w.last; ++at) {
+      if (mag_rows_[at] < w.first) continue;
+      piece.push_back(mag_[mag_rows_[at]]);
+      if (piece.size() == most_rows) pieces.push_back(std::exchange(piece, {}));
+    }
+    pieces.push_back(std::move(piece));
+  }
+  return pieces;
+}
 
 /// From pieces of the rests, less those that hold more than noise: a magnet that comes, a current that is switched on.
 void SelfConsistency::find_field_noise() {
-  struct Piece {
-    Eigen::VectorXd covariance = Eigen::VectorXd::Zero(kArOrder + 1);  ///< by lag
-    double count = 0.0;
-  };
-  std::array<std::vector<Piece>, 3> pieces;
-  for (const auto& w : rest_) {
-    std::vector<Vec3> v;
-    for (std::size_t at = 0; at < mag_rows_.size(); ++at) {
-      const std::size_t row = mag_rows_[at];
-      if (row >= w.first && row <= w.last) v.push_back(mag_[row]);
-      const bool ends = at + 1 == mag_rows_.size() || mag_rows_[at + 1] > w.last;
-      if (v.empty() || (v.size() < kNoisePiece && !ends)) continue;
-      if (v.size() >= 3 * kArOrder)
-        for (int k = 0; k < 3; ++k) {
-          Piece p;
-          double mean = 0.0;
-          for (const Vec3& m : v) mean += m[k] / static_cast<double>(v.size());
-          for (std::size_t i = 0; i < v.size(); ++i)
-            for (std::size_t lag = 0; lag <= std::min<std::size_t>(kArOrder, i); ++lag)
-              p.covariance[static_cast<long>(lag)] += (v[i][k] - mean) * (v[i - lag][k] - mean);
-          p.count = static_cast<double>(v.size() - 1);
-          pieces[static_cast<std::size_t>(k)].push_back(std::move(p));
-        }
-      v.clear();
-      if (ends) break;
-    }
-  }
+  auto pieces = field_at_rest(kNoisePiece);
+  std::erase_if(pieces, [](const auto& piece) { return piece.size() < 3 * kArOrder; });
   for (int k = 0; k < 3; ++k) {
     auto& ar = mag_ar_[static_cast<std::size_t>(k)];
     ar = Eigen::VectorXd::Zero(kArOrder);
     mag_sd_[k] = simulation_.magnetometer ? std::max(simulation_.magnetometer->noise_sd, 1e-9) : 1.0;
+    std::vector<Autocovariance> each;
     std::vector<double> variances;
-    for (const Piece& p : pieces[static_cast<std::size_t>(k)]) variances.push_back(p.covariance[0] / p.count);
-    if (variances.empty()) continue;
+    for (const auto& piece : pieces) {
+      each.emplace_back(piece, k);
+      variances.push_back(each.back().sum[0] / each.back().count);
+    }
+    if (each.empty()) continue;
     const double limit = kMoreThanNoise * median(variances);
-    Piece sum;
-    for (const Piece& p : pieces[static_cast<std::size_t>(k)])
-      if (p.covariance[0] <= limit * p.count) sum.covariance += p.covariance, sum.count += p.count;
-    if (sum.count < 20 * kArOrder) continue;
-    const Eigen::VectorXd c = sum.covariance / sum.count;
+    Autocovariance usual;
+    for (const Autocovariance& a : each)
+      if (a.sum[0] <= limit * a.count) usual.sum += a.sum, usual.count += a.count;
+    if (usual.count < 20 * kArOrder) continue;
+    const Eigen::VectorXd c = usual.sum / usual.count;
     Eigen::MatrixXd toeplitz(kArOrder, kArOrder);
     for (int i = 0; i < kArOrder; ++i)
       for (int j = 0; j < kArOrder; ++j) toeplitz(i, j) = c[std::abs(i - j)] + (i == j ? 1e-6 * c[0] : 0.0);

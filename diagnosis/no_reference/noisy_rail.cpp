@@ -9,6 +9,7 @@
 
 #include "diagnosis/forensics/forensics.h"
 #include "diagnosis/median.h"
+#include "diagnosis/no_reference/model.h"
 
 namespace stillpoint::diag::detail {
 namespace {
@@ -77,7 +78,7 @@ std::vector<Finding> find_noisy_rails(const io::Recording& r, const sim::Simulat
     for (int k = 0; k < 3; ++k)
       for (const double sign : {1.0, -1.0}) {
         std::vector<double> y;
-        for (const Vec3& v : triad(r, s)) y.push_back(sign * simulated->matrix.row(k).dot(v - simulated->bias));
+        for (const Vec3& v : triad(r, s)) y.push_back(sign * corrected(*simulated, v)[k]);
         const double noise = noise_of(y);
         const auto rail = noise > 0.0 ? rail_above(y, noise) : std::nullopt;
         if (!rail || std::abs(rail->level) < kLeastRange[s]) continue;

@@ -23,7 +23,7 @@ Vec3 SelfConsistency::offset_at_rest() const {
   double count = 0;
   for (const auto& w : rest_)
     for (std::size_t i = w.first; i <= w.last; ++i)
-      if (recording_.gyr_radps[i].allFinite()) sum += gyro.matrix * (recording_.gyr_radps[i] - gyro.bias), count += 1;
+      if (recording_.gyr_radps[i].allFinite()) sum += corrected(gyro, recording_.gyr_radps[i]), count += 1;
   return sum / std::max(count, 1.0);
 }
 
@@ -33,9 +33,9 @@ Quat SelfConsistency::first_attitude() const {
   Vec3 up = Vec3::Zero(), field = Vec3::Zero();
   const auto& acc = *simulation_.accelerometer;
   for (std::size_t i = first.first; i <= first.last; ++i) {
-    if (recording_.acc_mps2[i].allFinite()) up += acc.matrix * (recording_.acc_mps2[i] - acc.bias);
+    if (recording_.acc_mps2[i].allFinite()) up += corrected(acc, recording_.acc_mps2[i]);
     if (!mag_rows_.empty() && recording_.mag_uT[i].allFinite())
-      field += simulation_.magnetometer->matrix * (recording_.mag_uT[i] - simulation_.magnetometer->bias);
+      field += corrected(*simulation_.magnetometer, recording_.mag_uT[i]);
   }
   up.normalize();
   Mat3 body, world;

@@ -94,12 +94,14 @@ bool plausible(const Candidate& c) {
   return true;
 }
 
-double agreed_nats(const SelfConsistency& model, const Candidate& c) {
+Agreement agreement(const SelfConsistency& model, const Candidate& c) {
   const auto columns = c.law->columns(c.grid_value);
   const Eigen::VectorXd left = c.applied.size() > 0 ? (c.fit.value - c.applied).eval() : c.fit.value;
-  const Eigen::MatrixXd both = c.fit.covariance + model.covariance_between_stretches(columns, left);
-  return std::min(0.5 * c.fit.value.dot(both.ldlt().solve(c.fit.value)),
-                  model.beside_wander(columns, c.applied).gain_nats - c.charges);
+  const Eigen::MatrixXd between = model.covariance_between_stretches(columns, left);
+  const Eigen::MatrixXd both = c.fit.covariance + between;
+  const BesideWander wander = model.beside_wander(columns, c.applied);
+  return {std::min(0.5 * c.fit.value.dot(both.ldlt().solve(c.fit.value)), wander.gain_nats - c.charges),
+          c.fit.sd.cwiseMax(between.diagonal().cwiseSqrt()).cwiseMax(wander.sd)};
 }
 
 std::vector<Candidate> rank(const SelfConsistency& model, const std::vector<WitnessedLaw>& laws) {

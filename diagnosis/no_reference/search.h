@@ -25,9 +25,14 @@ struct Candidate {
 /// Whether the fitted numbers are of a size that the law can have.
 [[nodiscard]] bool plausible(const Candidate& candidate);
 
-/// What the values are worth where both their noise and the stretches of the recording, against each other, have a say:
-/// a rest that is none, or an attitude bent for a while, makes a law from one stretch alone.
-[[nodiscard]] double agreed_nats(const SelfConsistency& model, const Candidate& candidate);
+struct Agreement {
+  double nats = 0.0;
+  Eigen::VectorXd sd;  ///< of the law's values, by all that may make them
+};
+
+/// What the values are worth where the stretches of the recording, against each other, have a say as well as the noise,
+/// and beside offsets that wander: a rest that is none, or an attitude bent for a while, makes a law from one stretch.
+[[nodiscard]] Agreement agreement(const SelfConsistency& model, const Candidate& candidate);
 
 /// Every law at its best, by score, highest first. `laws` must outlive the candidates.
 [[nodiscard]] std::vector<Candidate> rank(const SelfConsistency& model, const std::vector<WitnessedLaw>& laws);

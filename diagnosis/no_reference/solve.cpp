@@ -11,6 +11,8 @@ constexpr double kBlock_s =
     10.0;  // held-out blocks: longer than the memory of the noise, shorter than a bout and its rest
 constexpr std::size_t kMostFolds = 8;
 constexpr double kFree = 1e-6;  // of what the readings say: the prior of a law's coefficients when it is held out
+/// Wanders that are tried, in deviations of a cell's mean.
+constexpr std::array<double, 7> kWanders{0.02, 0.5, 1.0, 2.0, 4.0, 8.0, 16.0};
 constexpr int kLeastSteps = 3, kMostSteps = 8;
 constexpr double kLeastFall = 1e-4;    // of the misfit; less leads nowhere
 constexpr double kSettled_nats = 0.1;  // a step worth less changes no verdict
@@ -152,59 +154,76 @@ void SelfConsistency::replace(const std::vector<LawColumn>& before, const Eigen:
   settle();
 }
 
+/// Nuisances, `others`, the law and last the readings as they are with what was applied of the law put back, all in
+/// units of the deviation that remains.
+Eigen::MatrixXd SelfConsistency::beside_nuisances(const std::vector<LawColumn>& others,
+                                                  const std::vector<LawColumn>& law,
+                                                  const Eigen::VectorXd& applied) const {
+  const Eigen::MatrixXd O = whitened(others), C = whitened(law);
+  Eigen::MatrixXd columns(N_.rows(), N_.cols() + O.cols() + C.cols() + 1);
+  columns << N_, O, C, (applied.size() > 0 ? (y_ + C * applied).eval() : y_);
+  return columns / std::sqrt(std::max(1.0, dispersion()));
+}
+
+std::vector<LawColumn> SelfConsistency::offsets_of_rests() const {
+  std::vector<LawColumn> out;
+  for (const auto& w : rest_)
+    for (int k = 0; k < 3; ++k) {
+      out.push_back({kGyr, std::vector<Vec3>(recording_.size(), Vec3::Zero())});
+      for (std::size_t i = w.first; i <= w.last; ++i) out.back().unit[i] = Vec3::Unit(k);
+    }
+  return out;
+}
+
 BesideWander SelfConsistency::beside_wander(const std::vector<LawColumn>& law, const Eigen::VectorXd& applied) const {
-  const Eigen::MatrixXd C = whitened(law);
-  const double scale = 1.0 / std::sqrt(std::max(1.0, dispersion()));
-  Eigen::MatrixXd columns(N_.rows(), N_.cols() + C.cols() + 1);
-  columns << N_, C, (applied.size() > 0 ? (y_ + C * applied).eval() : y_);
-  columns *= scale;
-  const Eigen::MatrixXd lower = products(columns), gram = lower.selfadjointView<Eigen::Lower>();
-  const long nuisances = N_.cols(), all = nuisances + C.cols();
-  Eigen::VectorXd prior_sd = prior_sd_;
+  const std::vector<LawColumn> offsets = offsets_of_rests();
+  const Eigen::MatrixXd lower = products(beside_nuisances(offsets, law, applied));
+  const Eigen::MatrixXd gram = lower.selfadjointView<Eigen::Lower>();
+  const auto wandering = static_cast<long>(offsets.size()), coefficients = static_cast<long>(law.size());
+  const long nuisances = N_.cols() + wandering, all = nuisances + coefficients;
+  const Eigen::VectorXd b = gram.col(all).head(all), b_alone = b.head(nuisances);
+  Eigen::VectorXd prior_sd(nuisances);
+  prior_sd.head(N_.cols()) = prior_sd_;
   double best_without = -HUGE_VAL, best_with = -HUGE_VAL;
   BesideWander out;
-  for (const double times : {0.02, 0.5, 1.0, 2.0, 4.0, 8.0, 16.0}) {
-    prior_sd.segment(wander_at(0), 3 * static_cast<long>(rest_.size())).setConstant(times * cell_radps());
+  for (const double times : kWanders) {
+    prior_sd.tail(wandering).setConstant(times * cell_radps());
     Eigen::MatrixXd A = gram.topLeftCorner(all, all);
     A.diagonal().head(nuisances) += prior_sd.cwiseAbs2().cwiseInverse();
-    for (long i = nuisances; i < all; ++i) A(i, i) *= 1.0 + 1e-9;
+    A.diagonal().tail(coefficients) *= 1.0 + 1e-9;
     const Eigen::LDLT<Eigen::MatrixXd> alone(A.topLeftCorner(nuisances, nuisances)), beside(A);
-    const Eigen::VectorXd b = gram.col(all).head(all), b_alone = b.head(nuisances);
     const double volume = -0.5 * alone.vectorD().cwiseAbs().array().log().sum() - prior_sd.array().log().sum();
     best_without = std::max(best_without, volume + 0.5 * b_alone.dot(alone.solve(b_alone)));
     const double with = volume + 0.5 * b.dot(beside.solve(b));
     if (with <= best_with) continue;
     best_with = with;
-    const Eigen::MatrixXd unit = Eigen::MatrixXd::Identity(all, all).rightCols(C.cols());
-    out.sd = beside.solve(unit).bottomRows(C.cols()).diagonal().cwiseAbs().cwiseSqrt();
+    const Eigen::MatrixXd unit = Eigen::MatrixXd::Identity(all, all).rightCols(coefficients);
+    out.sd = beside.solve(unit).bottomRows(coefficients).diagonal().cwiseAbs().cwiseSqrt();
   }
   out.gain_nats = best_with - best_without;
   return out;
 }
 
 HeldOutGain SelfConsistency::held_out(const std::vector<LawColumn>& law, const Eigen::VectorXd& applied) const {
-  const Eigen::MatrixXd C = whitened(law);
-  const double scale = 1.0 / std::sqrt(std::max(1.0, dispersion()));
-  Eigen::MatrixXd columns(N_.rows(), N_.cols() + C.cols() + 1);
-  columns << N_, C, (applied.size() > 0 ? (y_ + C * applied).eval() : y_);
-  columns *= scale;
+  const Eigen::MatrixXd columns = beside_nuisances({}, law, applied);
+  const auto coefficients = static_cast<long>(law.size());
   Eigen::VectorXd information(columns.cols());
-  information << prior_sd_.cwiseAbs2().cwiseInverse(), C.colwise().squaredNorm().transpose() * (scale * scale * kFree),
-      0.0;
+  information << prior_sd_.cwiseAbs2().cwiseInverse(),
+      kFree * columns.middleCols(N_.cols(), coefficients).colwise().squaredNorm().transpose(), 0.0;
   const double span_s = recording_.t_s(recording_.size() - 1) - recording_.t_s(0);
   const auto blocks = std::min<std::size_t>(kMostFolds, static_cast<std::size_t>(span_s / kBlock_s) + 1);
   std::vector<std::vector<long>> rows(blocks);
   for (long i = 0; i < y_.size(); ++i)
     rows[static_cast<std::size_t>((recording_.t_s(row_of(i)) - recording_.t_s(0)) / kBlock_s) % blocks].push_back(i);
-  std::vector<Eigen::MatrixXd> of_block;
   std::erase_if(rows, [](const std::vector<long>& r) { return r.empty(); });
+  HeldOutGain gain;
+  if (rows.size() < 2) return gain;
+  std::vector<Eigen::MatrixXd> of_block;
   Eigen::MatrixXd all = information.asDiagonal();
   for (const auto& r : rows) all += of_block.emplace_back(products(columns(r, Eigen::all)));
-  HeldOutGain gain;
-  const double whole = gain_of_last(all, C.cols());
+  const double whole = gain_of_last(all, coefficients);
   for (const Eigen::MatrixXd& block : of_block) {
-    if (rows.size() < 2) break;
-    const double nats = whole - gain_of_last(all - block, C.cols());
+    const double nats = whole - gain_of_last(all - block, coefficients);
     gain.nats += nats, gain.blocks_better += nats > 0, ++gain.blocks;
   }
   return gain;

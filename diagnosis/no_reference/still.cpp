@@ -9,6 +9,7 @@
 #include <optional>
 
 #include "diagnosis/certainty.h"
+#include "diagnosis/finding_effect.h"
 #include "diagnosis/forensics/forensics.h"
 #include "simulation/effect_catalogue.h"
 
@@ -257,7 +258,7 @@ Diagnosis diagnose_still(const io::Recording& r, const sim::SimulationConfig& si
     Judged best_judged;
     double best_score = kAbstain_nats;
     for (const auto& law : laws_of(s, kSensorName[sensor], kSensorUnit[sensor])) {
-      if (std::find(without.begin(), without.end(), law.id) != without.end()) continue;
+      if (contains(without, law.id)) continue;
       const Judged j = judge(s, law.columns);
       const double score =
           j.gain - 0.5 * 3.0 * static_cast<double>(law.columns.cols()) * std::log(static_cast<double>(s.mean.rows())) -

@@ -9,8 +9,8 @@
 
 namespace stillpoint::diag::detail {
 
-/// Whether the gyro's readings never leave the neighbourhood of their median, nor gravity its direction: no motion at
-/// all.
+/// Whether the gyro's readings never leave the neighbourhood of their median, nor gravity turns as they say: no motion
+/// at all.
 [[nodiscard]] bool lies_still(const io::Recording& recording);
 
 /// Gyroscope and accelerometer offsets in one attitude. A law must beat the walk: it is fitted to the increments of the

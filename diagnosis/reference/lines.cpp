@@ -24,8 +24,6 @@ constexpr Eigen::Index kNear = 12;                  // bins on either side that 
 constexpr double kSameLine = 2.0;                   // bins
 constexpr double kSameVibration = 0.1;              // of its frequency
 constexpr double kSpeedsShare = 0.3;                // of its speed, that an engine changes by
-constexpr double kSameFrequency =
-    0.25;  // of a bin: nearer to half the rate the recording cannot tell a line from a flip
 
 /// Rises and falls over the ends: what is slow and strong there would leak over every bin.
 Series tapered_ends(Eigen::Index n) {
@@ -63,11 +61,6 @@ Eigen::Matrix<double, 3, 2> amplitudes(const Series3& x, const Series& t_s, doub
   Eigen::MatrixXd design(x.rows(), 2);
   design << phase.sin(), phase.cos();
   return 2.0 / static_cast<double>(x.rows()) * x.transpose() * design;
-}
-
-double refined(const Series3& x, const Series& t_s, double frequency_Hz, double bin_Hz, double half_rate_Hz) {
-  return highest_by_golden_section(frequency_Hz - bin_Hz, std::min(frequency_Hz + bin_Hz, half_rate_Hz), kRefinements,
-                                   [&](double f) { return amplitudes(x, t_s, f).squaredNorm(); });
 }
 
 Found flip(const Target& t) {
@@ -126,7 +119,7 @@ std::optional<Peak> sharpest(const Series3& left, const Series& t_s, double step
       const Series3 part = left.middleRows(first, rows);
       Peak peak = strongest_line(part, step_s);
       if (peak.over_background == 0.0) continue;
-      peak.frequency_Hz = refined(part, t_s.segment(first, rows), peak.frequency_Hz, bin_Hz, 0.5 / step_s);
+      peak.frequency_Hz = refined_Hz(part, t_s.segment(first, rows), peak.frequency_Hz, bin_Hz, 0.5 / step_s);
       found.push_back(peak);
     }
     for (const Peak& peak : found)
@@ -217,6 +210,11 @@ Found line(const SensorSearch& search, const Window& window, const Swing& swing)
 
 }  // namespace
 
+double refined_Hz(const Series3& x, const Series& t_s, double frequency_Hz, double bin_Hz, double half_rate_Hz) {
+  return highest_by_golden_section(frequency_Hz - bin_Hz, std::min(frequency_Hz + bin_Hz, half_rate_Hz), kRefinements,
+                                   [&](double f) { return amplitudes(x, t_s, f).squaredNorm(); });
+}
+
 std::optional<double> sharpest_line_Hz(const Series3& left, const Series& t_s, double step_s) {
   const auto peak = sharpest(left, t_s, step_s);
   return peak ? std::optional(peak->frequency_Hz) : std::nullopt;
@@ -247,11 +245,11 @@ std::optional<Found> line_in(const Signals& s, const SensorSearch& search) {
   const Window window = stretch_of_line(left, plain.layout, search.t_s, frequency_Hz, plain.rows.step_s);
   if (window.local) {
     left.topRows(window.begin).setZero(), left.bottomRows(left.rows() - window.end).setZero();
-    frequency_Hz = refined(left, search.t_s, frequency_Hz, bin_Hz, half_rate_Hz);
+    frequency_Hz = refined_Hz(left, search.t_s, frequency_Hz, bin_Hz, half_rate_Hz);
   }
   if (!s.exact_reference && !stands_in_reading(s, plain.sensor, left, window, frequency_Hz)) return std::nullopt;
   Found f;
-  if (half_rate_Hz - frequency_Hz < kSameFrequency * bin_Hz) {
+  if (is_flip(frequency_Hz, bin_Hz, half_rate_Hz)) {
     if (plain.sensor != kMag) return std::nullopt;
     f = flip(plain);
   } else {

@@ -24,6 +24,15 @@ void sharpen_line(const SensorSearch& without_it, Found& line);
 /// The sharpest line of these rows, if there is one: in the whole, or in a half or a quarter that it fills better.
 [[nodiscard]] std::optional<double> sharpest_line_Hz(const Series3& left, const Series& t_s, double step_s);
 
+/// The frequency within a bin of this one at which the three axes together swing most.
+[[nodiscard]] double refined_Hz(const Series3& x, const Series& t_s, double frequency_Hz, double bin_Hz,
+                                double half_rate_Hz);
+
+/// Nearer to half the rate no recording can tell a line from a flip from sample to sample. `bin_Hz`: of the whole.
+[[nodiscard]] inline bool is_flip(double frequency_Hz, double bin_Hz, double half_rate_Hz) {
+  return half_rate_Hz - frequency_Hz < 0.25 * bin_Hz;
+}
+
 /// Frequency of a line that is sharp in the axes of the world, where the motion does not smear it; needs attitudes.
 [[nodiscard]] std::optional<double> line_in_world(const Signals& s, const SensorSearch& search);
 

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "diagnosis/finding_effect.h"
 #include "report/document.h"
 
 namespace stillpoint::diag::svg {
@@ -85,8 +86,7 @@ std::string ranking(const Diagnosis& d) {
                               kWidth, bottom + 26);
   for (std::size_t i = 0; i < ranked.size(); ++i) {
     const double y = height * static_cast<double>(i);
-    const bool stated = std::any_of(d.findings.begin(), d.findings.end(),
-                                    [&](const Finding& f) { return f.effect == ranked[i].effect; });
+    const bool stated = contains(d.findings, ranked[i].effect);
     s += fmt::format("<text x=\"{}\" y=\"{}\" text-anchor=\"end\">{}</text>", left - 8, y + 14,
                      escaped(ranked[i].effect));
     s += fmt::format("<rect x=\"{}\" y=\"{}\" width=\"{:.1f}\" height=\"{}\" rx=\"2\" fill=\"var({})\"/>", left, y + 3,
