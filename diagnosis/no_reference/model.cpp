@@ -35,10 +35,10 @@ struct Uncorrected {
   Vec3 operator()(const Vec3& c) const { return gain * (c + offset); }
 };
 
-std::vector<Vec3> integral(const std::vector<Vec3>& v, const std::vector<Mat3>& R, const io::Recording& r) {
-  std::vector<Vec3> sum(v.size(), Vec3::Zero());
-  for (std::size_t i = 1; i < v.size(); ++i)
-    sum[i] = sum[i - 1] + 0.5 * (r.t_s(i) - r.t_s(i - 1)) * (R[i - 1] * v[i - 1] + R[i] * v[i]);
+std::vector<Vec3> integral(const LawColumn& column, const std::vector<Mat3>& R, const io::Recording& r) {
+  std::vector<Vec3> sum(R.size(), Vec3::Zero());
+  for (std::size_t i = 1; i < sum.size(); ++i)
+    sum[i] = sum[i - 1] + 0.5 * (r.t_s(i) - r.t_s(i - 1)) * (R[i - 1] * column.at(i - 1) + R[i] * column.at(i));
   return sum;
 }
 
@@ -67,11 +67,12 @@ SelfConsistency::SelfConsistency(const io::Recording& recording, const sim::Simu
   prior_sd_.segment<3>(kAccAt + 9).setConstant(kAccOffsetPrior);
   prior_sd_.segment<3>(kMagAt + 9).setConstant(kMagOffsetPrior);
   prior_sd_.segment<3>(kFieldAt).setConstant(kFieldPrior_uT);
-  prior_sd_.segment<3>(kKnotsAt).setConstant(kAttitudePrior_rad);
+  prior_sd_.segment<3>(kLegsAt).setConstant(kAttitudePrior_rad);
+  prior_sd_.tail(x_.size() - wander_at()).setConstant(kFixed);
 }
 
 void SelfConsistency::start_anew() {
-  x_ = Eigen::VectorXd::Zero(kKnotsAt + 3 * static_cast<long>(knots_.size()));
+  x_ = Eigen::VectorXd::Zero(wander_at() + 3 * static_cast<long>(rest_.size()));
   x_.segment<3>(kGyroAt + 9) = offset_at_rest();
 }
 
@@ -111,7 +112,7 @@ void SelfConsistency::expect_closure() {
     const double span_s = recording_.t_s(knots_[k]) - recording_.t_s(knots_[k - 1]);
     const double sd =
         std::hypot(walk * std::sqrt(span_s), integration_error_rad(recording_, rate_, knots_[k - 1], knots_[k]));
-    prior_sd_.segment<3>(kKnotsAt + 3 * static_cast<long>(k)).setConstant(sd + kLeastClosure_rad);
+    prior_sd_.segment<3>(kLegsAt + 3 * static_cast<long>(k)).setConstant(sd + kLeastClosure_rad);
   }
 }
 
@@ -136,8 +137,11 @@ void SelfConsistency::integrate() {
   std::size_t knot = 0;
   for (std::size_t i = 0; i < n; ++i) {
     if (i > first_row()) q = (q * turn_between(recording_, rate_, i - 1, i)).normalized();
-    for (; knot < knots_.size() && knots_[knot] == i; ++knot)
-      q = (exp_quat(x_.segment<3>(kKnotsAt + 3 * static_cast<long>(knot))) * q).normalized();
+    for (; knot < knots_.size() && knots_[knot] == i; ++knot) {
+      const long leg = kLegsAt + 3 * static_cast<long>(knot);
+      const Vec3 before = knot == 0 ? Vec3::Zero().eval() : x_.segment<3>(leg - 3).eval();
+      q = (exp_quat(x_.segment<3>(leg) - before) * q).normalized();
+    }
     R_[i] = q.toRotationMatrix();
   }
 }
@@ -149,6 +153,16 @@ void SelfConsistency::predict() {
   for (const std::size_t i : mag_rows_) {
     mag_[i] = corrected(x_, kMagAt, corrected(*simulation_.magnetometer, recording_.mag_uT[i]));
     if (!applied_[kMag].empty()) mag_[i] -= applied_[kMag][i];
+  }
+  turned_.clear();
+  const auto nm = static_cast<long>(mag_rows_.size()), nc = static_cast<long>(cells_.size());
+  const Mat3 turns_field = skew(m_w), turns_up = skew(Vec3(0, 0, simulation_.gravity_mps2));
+  for (const std::size_t row : mag_rows_)
+    turned_.push_back({row, static_cast<long>(turned_.size()), nm, R_[row].transpose() * turns_field});
+  for (long c = 0; c < nc; ++c) {
+    const auto& cell = cells_[static_cast<std::size_t>(c)];
+    const auto row = (cell.first + cell.last) / 2;
+    turned_.push_back({row, 3 * nm + c, nc, R_[row].transpose() * turns_up});
   }
 }
 
@@ -175,36 +189,30 @@ Eigen::VectorXd SelfConsistency::residual() const {
 }
 
 void SelfConsistency::attitude_column(const std::vector<Vec3>& eps_world, Eigen::Ref<Eigen::VectorXd> out) const {
-  const auto nm = static_cast<long>(mag_rows_.size()), nc = static_cast<long>(cells_.size());
-  const Vec3 m_w = field_world_ + x_.segment<3>(kFieldAt), up(0, 0, simulation_.gravity_mps2);
-  for (long i = 0; i < nm; ++i) {
-    const auto row = mag_rows_[static_cast<std::size_t>(i)];
-    const Vec3 d = R_[row].transpose() * m_w.cross(eps_world[row]);
-    for (int k = 0; k < 3; ++k) out[k * nm + i] += d[k];
-  }
-  for (long c = 0; c < nc; ++c) {
-    const auto& cell = cells_[static_cast<std::size_t>(c)];
-    const auto row = (cell.first + cell.last) / 2;
-    const Vec3 d = R_[row].transpose() * up.cross(eps_world[row]);
-    for (int k = 0; k < 3; ++k) out[3 * nm + k * nc + c] += d[k];
+  for (const Turned& reading : turned_) {
+    const Vec3 d = reading.by * eps_world[reading.row];
+    for (int k = 0; k < 3; ++k) out[reading.at + k * reading.apart] += d[k];
   }
 }
 
-void SelfConsistency::sensor_column(Sensor sensor, const std::vector<Vec3>& unit,
-                                    Eigen::Ref<Eigen::VectorXd> out) const {
+void SelfConsistency::sensor_column(const LawColumn& column, Eigen::Ref<Eigen::VectorXd> out) const {
   const auto nm = static_cast<long>(mag_rows_.size()), nc = static_cast<long>(cells_.size());
-  if (sensor == kMag) {
-    for (long i = 0; i < nm; ++i)
-      for (int k = 0; k < 3; ++k) out[k * nm + i] += unit[mag_rows_[static_cast<std::size_t>(i)]][k];
+  if (column.sensor == kMag) {
+    for (long i = 0; i < nm; ++i) {
+      const Vec3 d = column.at(mag_rows_[static_cast<std::size_t>(i)]);
+      for (int k = 0; k < 3; ++k) out[k * nm + i] += d[k];
+    }
     return;
   }
-  const long at = 3 * nm + (sensor == kGyr ? 3 * nc : 0);
+  const long at = 3 * nm + (column.sensor == kGyr ? 3 * nc : 0);
   for (long c = 0; c < nc; ++c) {
-    const Vec3 mean = cell_mean(unit, cells_[static_cast<std::size_t>(c)]);
-    for (int k = 0; k < 3; ++k) out[at + k * nc + c] += mean[k];
+    const Cell& cell = cells_[static_cast<std::size_t>(c)];
+    Vec3 sum = Vec3::Zero();
+    for (std::size_t i = cell.first; i <= cell.last; ++i) sum += column.at(i);
+    for (int k = 0; k < 3; ++k) out[at + k * nc + c] += sum[k] / static_cast<double>(cell.last - cell.first + 1);
   }
-  if (sensor != kGyr) return;
-  auto eps = integral(unit, R_, recording_);
+  if (column.sensor != kGyr) return;
+  auto eps = integral(column, R_, recording_);
   // A rate error before the first rest turns nothing that is compared: the attitude starts there.
   const Vec3 start = eps[first_row()];
   for (std::size_t i = 0; i < eps.size(); ++i) eps[i] = i < first_row() ? Vec3::Zero().eval() : (start - eps[i]).eval();
@@ -214,59 +222,34 @@ void SelfConsistency::sensor_column(Sensor sensor, const std::vector<Vec3>& unit
 Eigen::MatrixXd SelfConsistency::columns(const std::vector<LawColumn>& law) const {
   const auto rows = static_cast<long>(3 * mag_rows_.size() + 6 * cells_.size());
   Eigen::MatrixXd m = Eigen::MatrixXd::Zero(rows, static_cast<long>(law.size()));
-  for (std::size_t j = 0; j < law.size(); ++j) sensor_column(law[j].sensor, law[j].unit, m.col(static_cast<long>(j)));
+  for (std::size_t j = 0; j < law.size(); ++j) sensor_column(law[j], m.col(static_cast<long>(j)));
   return m;
 }
 
-Eigen::MatrixXd SelfConsistency::whitened(const std::vector<LawColumn>& law) const {
-  Eigen::MatrixXd m = columns(law);
-  whiten(m);
-  return m;
-}
-
-Eigen::MatrixXd SelfConsistency::nuisance_columns() const {
+NuisanceColumns SelfConsistency::nuisance_columns() const {
   const std::size_t n = recording_.size();
   const auto rows = static_cast<long>(3 * mag_rows_.size() + 6 * cells_.size());
-  Eigen::MatrixXd m = Eigen::MatrixXd::Zero(rows, x_.size());
+  Eigen::MatrixXd m = Eigen::MatrixXd::Zero(rows, kLegsAt);
   const std::array<std::pair<Sensor, long>, 3> blocks{{{kGyr, kGyroAt}, {kAcc, kAccAt}, {kMag, kMagAt}}};
-  std::vector<Vec3> unit(n);
+  LawColumn column{kGyr, std::vector<Vec3>(n)};
   for (const auto& [sensor, at] : blocks) {
+    column.sensor = sensor;
     const auto& value = sensor == kGyr ? rate_ : sensor == kAcc ? force_ : field_;
     const Uncorrected reading(x_, at);
     std::vector<Vec3> u(n);
     for (std::size_t r = 0; r < n; ++r) u[r] = reading(value[r]);
     for (int i = 0; i < 3; ++i) {
       for (int j = 0; j < 4; ++j) {
-        for (std::size_t r = 0; r < n; ++r) unit[r] = Vec3::Unit(i) * (j < 3 ? u[r][j] : 1.0);
-        sensor_column(sensor, unit, m.col(j < 3 ? at + 3 * i + j : at + 9 + i));
+        for (std::size_t r = 0; r < n; ++r) column.unit[r] = Vec3::Unit(i) * (j < 3 ? u[r][j] : 1.0);
+        sensor_column(column, m.col(j < 3 ? at + 3 * i + j : at + 9 + i));
       }
     }
   }
   for (int j = 0; j < 3; ++j) {
-    for (std::size_t r = 0; r < n; ++r) unit[r] = R_[r].row(j).transpose();
-    sensor_column(kMag, unit, m.col(kFieldAt + j));
-    for (std::size_t k = 0; k < knots_.size(); ++k) {
-      for (std::size_t r = 0; r < n; ++r) unit[r] = (r >= knots_[k] ? 1.0 : 0.0) * Vec3::Unit(j);
-      attitude_column(unit, m.col(kKnotsAt + 3 * static_cast<long>(k) + j));
-    }
+    for (std::size_t r = 0; r < n; ++r) column.unit[r] = R_[r].row(j).transpose();
+    sensor_column(column, m.col(kFieldAt + j));
   }
-  return m;
-}
-
-void SelfConsistency::whiten(Eigen::Ref<Eigen::MatrixXd> m) const {
-  const auto nm = static_cast<long>(mag_rows_.size()), nc = static_cast<long>(cells_.size());
-  for (long c = 0; c < m.cols(); ++c) {
-    for (int k = 0; k < 3; ++k) {
-      const auto& ar = mag_ar_[static_cast<std::size_t>(k)];
-      for (long i = nm - 1; i >= 0; --i) {  // backwards, so that the earlier values are still the unfiltered ones
-        double v = m(k * nm + i, c);
-        for (long lag = 1; lag <= std::min<long>(ar.size(), i); ++lag) v -= ar[lag - 1] * m(k * nm + i - lag, c);
-        m(k * nm + i, c) = v / mag_sd_[k];
-      }
-      m.col(c).segment(3 * nm + k * nc, nc) /= force_sd_[k];
-      m.col(c).segment(3 * nm + (3 + k) * nc, nc) /= rate_sd_[k];
-    }
-  }
+  return {std::move(m), local_columns(), Eigen::MatrixXd(rows, 0)};
 }
 
 }  // namespace stillpoint::diag::detail

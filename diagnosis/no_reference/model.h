@@ -1,17 +1,19 @@
 /// The self-consistency of gyroscope, magnetometer and rest windows as one linear model around an attitude integrated
 /// from the gyro. Rows: the field at (thinned) samples, specific force and rate in cells of rest. Columns: the
-/// nuisances (calibration of the three sensors, field, attitude at the rests), and whatever law is put beside them.
-/// With R = exp([eps]x) R_hat and a rate error D: eps(t) = -int R_hat D dt, and the field error is R_hat^T (m_w x eps).
+/// nuisances (calibration of the three sensors, field, attitude of every leg of the motion, and what the gyroscope's
+/// offset wanders by in every rest), and whatever law is put beside them. With R = exp([eps]x) R_hat and a rate error
+/// D: eps(t) = -int R_hat D dt, and the field error is R_hat^T (m_w x eps).
 #pragma once
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "diagnosis/forensics/forensics.h"
+#include "diagnosis/no_reference/nuisances.h"
 #include "diagnosis/result.h"
 #include "io/recording.h"
 #include "simulation/config.h"
@@ -31,10 +33,15 @@ struct RestWindow {
 [[nodiscard]] std::vector<RestWindow> find_rest(const io::Recording& recording,
                                                 const sim::SimulationConfig& simulation);
 
-/// One coefficient of a law: its unit contribution to one sensor at every row of the recording, sensor frame.
+/// One coefficient of a law: its unit contribution to one sensor, sensor frame.
 struct LawColumn {
   Sensor sensor = kGyr;
   std::vector<Vec3> unit;
+  std::size_t first = 0;  ///< row of the recording where it begins; outside of them there is none
+
+  [[nodiscard]] Vec3 at(std::size_t row) const {
+    return row < first || row >= first + unit.size() ? Vec3::Zero().eval() : unit[row - first];
+  }
 };
 
 struct LawFit {
@@ -55,8 +62,9 @@ struct HeldOutGain {
 
 inline constexpr double kRestCell_s = 0.5;  ///< means over it are the readings of the rests
 
-/// Layout of the nuisances: three blocks of 9 (rows of the matrix) + 3 (gyr, acc, mag), the field, then three per knot.
-inline constexpr long kGyroAt = 0, kAccAt = 12, kMagAt = 24, kFieldAt = 36, kKnotsAt = 39;
+/// Layout of the nuisances: three blocks of 9 (rows of the matrix) + 3 (gyr, acc, mag), the field, then three per leg
+/// from knot to knot (its attitude, world frame), then three per rest (offset of the gyroscope).
+inline constexpr long kGyroAt = 0, kAccAt = 12, kMagAt = 24, kFieldAt = 36, kLegsAt = 39;
 
 class SelfConsistency {
  public:
@@ -114,9 +122,7 @@ class SelfConsistency {
   /// Root mean square of the whitened rest readings of the accelerometer: 1 where only noise is left.
   [[nodiscard]] double force_misfit() const;
   /// Of the readings and of what the nuisances had to move against what is expected of them.
-  [[nodiscard]] double misfit_nats() const {
-    return 0.5 * (y_.squaredNorm() + x_.cwiseQuotient(prior_sd_.head(x_.size())).squaredNorm());
-  }
+  [[nodiscard]] double misfit_nats() const { return 0.5 * (y_.squaredNorm() + surprise(x_)); }
   /// Mean square of all whitened residuals: 1 where gyro, field and rests agree within their noise.
   [[nodiscard]] double dispersion() const {
     return y_.squaredNorm() / static_cast<double>(std::max<long>(y_.size(), 1));
@@ -125,6 +131,12 @@ class SelfConsistency {
  private:
   struct Cell {
     std::size_t first, last;  ///< rows, inclusive
+  };
+  /// A reading that the attitude turns.
+  struct Turned {
+    std::size_t row;  ///< of the recording
+    long at, apart;   ///< its rows in the model are at, at + apart, at + 2 apart
+    Mat3 by;          ///< for a small turn, world frame
   };
   void take_out(const std::vector<LawColumn>& law, const Eigen::VectorXd& value);
   /// Where the first rest begins: from there on the attitude is known.
@@ -142,20 +154,27 @@ class SelfConsistency {
   void expect_closure();
   void descend(const Eigen::VectorXd& step, double misfit_nats);
   [[nodiscard]] Eigen::MatrixXd columns(const std::vector<LawColumn>& law) const;  ///< not yet whitened
-  [[nodiscard]] Eigen::MatrixXd whitened(const std::vector<LawColumn>& law) const;
-  [[nodiscard]] Eigen::MatrixXd nuisance_columns() const;  ///< not yet whitened
-  [[nodiscard]] Eigen::MatrixXd beside_nuisances(const std::vector<LawColumn>& others,
-                                                 const std::vector<LawColumn>& law,
+  [[nodiscard]] Eigen::MatrixXd whitened(const std::vector<LawColumn>& law) const { return whitener_ * columns(law); }
+  [[nodiscard]] NuisanceColumns nuisance_columns() const;  ///< not yet whitened
+  [[nodiscard]] Sparse local_columns() const;
+  [[nodiscard]] Sparse departures() const;
+  [[nodiscard]] std::vector<Mat3> turns_in(const RestWindow& rest) const;
+  [[nodiscard]] std::size_t knot_after(std::size_t row) const;
+  [[nodiscard]] long wander_at() const { return kLegsAt + 3 * static_cast<long>(knots_.size()); }
+  [[nodiscard]] Eigen::MatrixXd beside_nuisances(const std::vector<LawColumn>& law,
                                                  const Eigen::VectorXd& applied) const;
-  [[nodiscard]] std::vector<LawColumn> offsets_of_rests() const;
   [[nodiscard]] Eigen::MatrixXd scores_of_stretches(const Eigen::MatrixXd& rows) const;
   [[nodiscard]] std::size_t row_of(long i) const;
   void add_nuisances(const Eigen::MatrixXd& whitened_columns);
+  void factorise();
   [[nodiscard]] Eigen::VectorXd residual() const;
-  [[nodiscard]] Eigen::VectorXd information() const { return doubt_ * prior_sd_.cwiseAbs2().cwiseInverse(); }
+  [[nodiscard]] double surprise(const Eigen::VectorXd& x) const {
+    return (departures_ * x).cwiseQuotient(prior_sd_.head(x.size())).squaredNorm();
+  }
+  [[nodiscard]] Sparse information(const Eigen::VectorXd& prior_sd, double times) const;
   void attitude_column(const std::vector<Vec3>& eps_world, Eigen::Ref<Eigen::VectorXd> out) const;
-  void sensor_column(Sensor sensor, const std::vector<Vec3>& unit, Eigen::Ref<Eigen::VectorXd> out) const;
-  void whiten(Eigen::Ref<Eigen::MatrixXd> m) const;
+  void sensor_column(const LawColumn& column, Eigen::Ref<Eigen::VectorXd> out) const;
+  [[nodiscard]] Sparse whitener() const;
   [[nodiscard]] Vec3 cell_mean(const std::vector<Vec3>& v, const Cell& cell) const;
 
   const io::Recording& recording_;
@@ -169,9 +188,12 @@ class SelfConsistency {
   std::array<std::vector<Vec3>, 3> applied_;  ///< per Sensor, taken out by replace(); empty: nothing
   std::vector<Vec3> rate_, force_, mag_, field_;
   std::vector<Mat3> R_;
+  std::vector<Turned> turned_;
   Vec3 field_world_;
   Quat first_attitude_;
-  Eigen::VectorXd x_, prior_sd_;  ///< nuisances as they stand, and how far the simulation may be off
+  Eigen::VectorXd x_;         ///< nuisances as they stand
+  Sparse departures_;         ///< of these from what is expected, by number
+  Eigen::VectorXd prior_sd_;  ///< of the departures: how far the simulation may be off
   std::vector<std::vector<LawColumn>> accepted_;
   std::array<Eigen::VectorXd, 3> mag_ar_;
   Vec3 mag_sd_ = Vec3::Ones(), force_sd_ = Vec3::Ones(), rate_sd_ = Vec3::Ones();
@@ -180,9 +202,10 @@ class SelfConsistency {
   /// Mean square of the whitened residual, at least 1: what no nuisance explains must not bend them.
   double doubt_ = 1.0;
 
-  Eigen::MatrixXd N_;  ///< whitened nuisance columns
+  Sparse whitener_;
+  NuisanceColumns N_;  ///< whitened
   Eigen::VectorXd y_;  ///< whitened residual
-  Eigen::LDLT<Eigen::MatrixXd> gram_;
+  std::shared_ptr<const NuisanceSolver> gram_;
 };
 
 }  // namespace stillpoint::diag::detail

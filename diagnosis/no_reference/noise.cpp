@@ -77,6 +77,30 @@ void SelfConsistency::find_field_noise() {
   }
 }
 
+/// Takes the memory out of the readings and puts them into units of their noise, row for row.
+Sparse SelfConsistency::whitener() const {
+  const auto nm = static_cast<long>(mag_rows_.size()), nc = static_cast<long>(cells_.size());
+  std::vector<Eigen::Triplet<double>> entries;
+  const auto put = [&entries](long row, long column, double value) {
+    entries.emplace_back(static_cast<int>(row), static_cast<int>(column), value);
+  };
+  for (int k = 0; k < 3; ++k) {
+    const auto& ar = mag_ar_[static_cast<std::size_t>(k)];
+    for (long i = 0; i < nm; ++i) {
+      put(k * nm + i, k * nm + i, 1.0 / mag_sd_[k]);
+      for (long lag = 1; lag <= std::min<long>(ar.size(), i); ++lag)
+        put(k * nm + i, k * nm + i - lag, -ar[lag - 1] / mag_sd_[k]);
+    }
+    for (long c = 0; c < nc; ++c) {
+      const long force = 3 * nm + k * nc + c, rate = force + 3 * nc;
+      put(force, force, 1.0 / force_sd_[k]), put(rate, rate, 1.0 / rate_sd_[k]);
+    }
+  }
+  Sparse out(3 * nm + 6 * nc, 3 * nm + 6 * nc);
+  out.setFromTriplets(entries.begin(), entries.end());
+  return out;
+}
+
 /// Noise from within the rests only, where no law and no misfit of the attitude can enter it: an autoregressive model
 /// of the field, and the scatter of the cell means about their window's mean.
 void SelfConsistency::find_noise() {

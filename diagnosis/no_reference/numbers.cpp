@@ -54,9 +54,9 @@ std::vector<ConfigurationFault> SelfConsistency::wrong_numbers() const {
   const Mat3 turn = 0.5 * (acc - acc.transpose());
   for (const auto& [sensor, at] : blocks) {
     if (sensor == kMag && mag_rows_.empty()) continue;
-    Eigen::MatrixXd unit = Eigen::MatrixXd::Zero(gram_.rows(), 12);
+    Eigen::MatrixXd unit = Eigen::MatrixXd::Zero(gram_->rows(), 12);
     for (long i = 0; i < 12; ++i) unit(at + i, i) = 1.0;
-    const Eigen::MatrixXd P = gram_.solve(unit).middleRows(at, 12) * std::max(1.0, dispersion());
+    const Eigen::MatrixXd P = gram_->solve(unit).middleRows(at, 12) * std::max(1.0, dispersion());
     Eigen::VectorXd matrix = x_.segment(at, 9);
     for (int i = 0; i < 9; ++i) matrix[i] -= turn(i / 3, i % 3);
     const Vec3 offset = x_.segment<3>(at + 9);

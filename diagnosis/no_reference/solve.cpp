@@ -17,53 +17,36 @@ constexpr int kLeastSteps = 3, kMostSteps = 8;
 constexpr double kLeastFall = 1e-4;    // of the misfit; less leads nowhere
 constexpr double kSettled_nats = 0.1;  // a step worth less changes no verdict
 
-/// Of all columns with each other: the lower half, which is all that a Cholesky factorisation reads.
-Eigen::MatrixXd products(const Eigen::MatrixXd& columns) {
-  Eigen::MatrixXd out = Eigen::MatrixXd::Zero(columns.cols(), columns.cols());
-  out.selfadjointView<Eigen::Lower>().rankUpdate(columns.transpose());
-  return out;
-}
-
-/// What the readings say for the last `law` columns beside those before them, in nats: the logarithm of the evidence
-/// with them less that without. `gram`: products() of the columns, the prior's information added, and of the readings,
-/// which stand last.
-double gain_of_last(const Eigen::MatrixXd& gram, long law) {
-  const long with = gram.cols() - 1;
-  const auto evidence = [&](long n) {
-    const Eigen::LDLT<Eigen::MatrixXd> solver(gram.topLeftCorner(n, n));
-    const Eigen::VectorXd by_column = gram.row(with).head(n).transpose();
-    return 0.5 * (by_column.dot(solver.solve(by_column)) - solver.vectorD().cwiseAbs().array().log().sum());
-  };
-  return evidence(with) - evidence(with - law);
+/// What the readings say for the law that stands before them beside the nuisances, in nats: the logarithm of the
+/// evidence with it less that without.
+double gain_of_law(const LeftOver& left, double variance) {
+  const long law = left.beside.cols() - 1;
+  const Eigen::LDLT<Eigen::MatrixXd> solver(left.beside.topLeftCorner(law, law));
+  const Eigen::VectorXd b = left.beside.col(law).head(law);
+  return 0.5 * (b.dot(solver.solve(b)) / variance - solver.vectorD().cwiseAbs().array().log().sum());
 }
 
 }  // namespace
 
 void SelfConsistency::settle() {
   prior_sd_.conservativeResize(x_.size());
-  Eigen::VectorXd information;
   double before = HUGE_VAL;
   for (int pass = 0;; ++pass) {
     integrate();
     predict();
-    if (!noise_kept_) find_noise();
+    if (!noise_kept_) find_noise(), whitener_ = whitener();
     expect_closure();
-    N_ = nuisance_columns();
-    whiten(N_);
-    Eigen::MatrixXd r = residual();
-    whiten(r);
-    y_ = r;
+    departures_ = departures();
+    N_ = nuisance_columns().under(whitener_);
+    y_ = whitener_ * residual();
     doubt_ = std::max(1.0, dispersion());
-    information = this->information();
-    Eigen::MatrixXd gram = products(N_);
-    gram.diagonal() += information;
-    gram_.compute(gram);
-    const Eigen::VectorXd gradient = N_.transpose() * y_ - information.cwiseProduct(x_);
-    const Eigen::VectorXd step = gram_.solve(gradient);
-    const double misfit = 0.5 * (y_.squaredNorm() + x_.cwiseProduct(information).dot(x_));
+    factorise();
+    const Eigen::VectorXd gradient = N_.transposed_times(y_) - information(prior_sd_, doubt_) * x_;
+    const Eigen::VectorXd step = gram_->solve(gradient);
+    const double misfit = 0.5 * (y_.squaredNorm() + doubt_ * surprise(x_));
     const bool stuck = !(misfit < (1.0 - kLeastFall) * before);
     if (pass == kMostSteps || (pass >= kLeastSteps && (stuck || 0.5 * step.dot(gradient) < kSettled_nats))) {
-      y_ -= N_ * step;  // what this step would still change is taken in the linear model
+      y_ -= N_.times(step);  // what this step would still change is taken in the linear model
       break;
     }
     before = misfit;
@@ -72,26 +55,27 @@ void SelfConsistency::settle() {
   for (const auto& law : accepted_) add_nuisances(whitened(law));
 }
 
+void SelfConsistency::factorise() {
+  gram_ = std::make_shared<const NuisanceSolver>(Sparse(N_.products() + information(prior_sd_, doubt_)));
+}
+
 /// Whole steps where they help, halved where a wrong matrix has turned the attitude so far that they lead away.
 void SelfConsistency::descend(const Eigen::VectorXd& step, double misfit_nats) {
   constexpr int kHalvings = 6;
-  const Eigen::VectorXd from = x_, information = this->information();
+  const Eigen::VectorXd from = x_;
   double share = 1.0;
   for (int k = 0; k < kHalvings; ++k, share *= 0.5) {
     x_ = from + share * step;
     integrate();
     predict();
-    Eigen::MatrixXd r = residual();
-    whiten(r);
-    if (0.5 * (r.squaredNorm() + x_.cwiseProduct(information).dot(x_)) < misfit_nats) return;
+    if (0.5 * ((whitener_ * residual()).squaredNorm() + doubt_ * surprise(x_)) < misfit_nats) return;
   }
 }
 
 LawFit SelfConsistency::fit(const std::vector<LawColumn>& law, const Eigen::VectorXd& applied) const {
   const Eigen::MatrixXd C = whitened(law);
-  const Eigen::MatrixXd NC = N_.transpose() * C;
-  const Eigen::MatrixXd P = gram_.solve(NC);
-  Eigen::MatrixXd S = C.transpose() * C - NC.transpose() * P;
+  const Eigen::MatrixXd NC = N_.transposed_times(C);
+  Eigen::MatrixXd S = C.transpose() * C - NC.transpose() * gram_->solve(NC);
   // What the nuisances can imitate to nine digits is theirs.
   for (long i = 0; i < S.rows(); ++i) S(i, i) += 1e-9 * (C.col(i).squaredNorm() + 1e-300);
   Eigen::VectorXd b = C.transpose() * y_;
@@ -112,7 +96,7 @@ LawFit SelfConsistency::fit(const std::vector<LawColumn>& law, const Eigen::Vect
 Eigen::MatrixXd SelfConsistency::covariance_between_stretches(const std::vector<LawColumn>& law,
                                                               const Eigen::VectorXd& left) const {
   Eigen::MatrixXd C = whitened(law);
-  C -= N_ * gram_.solve(N_.transpose() * C);
+  C -= N_.times(gram_->solve(N_.transposed_times(C)));
   const Eigen::VectorXd after = y_ - C * left;
   const Eigen::MatrixXd scores = scores_of_stretches(C.array().colwise() * after.array());
   const Eigen::MatrixXd by_stretch = Eigen::LDLT<Eigen::MatrixXd>(C.transpose() * C).solve(scores.transpose());
@@ -143,7 +127,7 @@ void SelfConsistency::take_out(const std::vector<LawColumn>& law, const Eigen::V
   for (std::size_t j = 0; j < law.size(); ++j) {
     auto& taken = applied_[law[j].sensor];
     if (taken.empty()) taken.assign(recording_.size(), Vec3::Zero());
-    for (std::size_t i = 0; i < taken.size(); ++i) taken[i] += value[static_cast<long>(j)] * law[j].unit[i];
+    for (std::size_t i = 0; i < taken.size(); ++i) taken[i] += value[static_cast<long>(j)] * law[j].at(i);
   }
 }
 
@@ -154,95 +138,85 @@ void SelfConsistency::replace(const std::vector<LawColumn>& before, const Eigen:
   settle();
 }
 
-/// Nuisances, `others`, the law and last the readings as they are with what was applied of the law put back, all in
-/// units of the deviation that remains.
-Eigen::MatrixXd SelfConsistency::beside_nuisances(const std::vector<LawColumn>& others,
-                                                  const std::vector<LawColumn>& law,
+/// The law, and last the readings as they are, with what was applied of it put back.
+Eigen::MatrixXd SelfConsistency::beside_nuisances(const std::vector<LawColumn>& law,
                                                   const Eigen::VectorXd& applied) const {
-  const Eigen::MatrixXd O = whitened(others), C = whitened(law);
-  Eigen::MatrixXd columns(N_.rows(), N_.cols() + O.cols() + C.cols() + 1);
-  columns << N_, O, C, (applied.size() > 0 ? (y_ + C * applied).eval() : y_);
-  return columns / std::sqrt(std::max(1.0, dispersion()));
-}
-
-std::vector<LawColumn> SelfConsistency::offsets_of_rests() const {
-  std::vector<LawColumn> out;
-  for (const auto& w : rest_)
-    for (int k = 0; k < 3; ++k) {
-      out.push_back({kGyr, std::vector<Vec3>(recording_.size(), Vec3::Zero())});
-      for (std::size_t i = w.first; i <= w.last; ++i) out.back().unit[i] = Vec3::Unit(k);
-    }
-  return out;
+  const Eigen::MatrixXd C = whitened(law);
+  Eigen::MatrixXd columns(C.rows(), C.cols() + 1);
+  columns << C, (applied.size() > 0 ? (y_ + C * applied).eval() : y_);
+  return columns;
 }
 
 BesideWander SelfConsistency::beside_wander(const std::vector<LawColumn>& law, const Eigen::VectorXd& applied) const {
-  const std::vector<LawColumn> offsets = offsets_of_rests();
-  const Eigen::MatrixXd lower = products(beside_nuisances(offsets, law, applied));
-  const Eigen::MatrixXd gram = lower.selfadjointView<Eigen::Lower>();
-  const auto wandering = static_cast<long>(offsets.size()), coefficients = static_cast<long>(law.size());
-  const long nuisances = N_.cols() + wandering, all = nuisances + coefficients;
-  const Eigen::VectorXd b = gram.col(all).head(all), b_alone = b.head(nuisances);
-  Eigen::VectorXd prior_sd(nuisances);
-  prior_sd.head(N_.cols()) = prior_sd_;
+  const Normal readings(N_, beside_nuisances(law, applied));
+  const auto coefficients = static_cast<long>(law.size());
+  const double variance = std::max(1.0, dispersion());
+  Eigen::VectorXd prior_sd = prior_sd_;
   double best_without = -HUGE_VAL, best_with = -HUGE_VAL;
   BesideWander out;
   for (const double times : kWanders) {
-    prior_sd.tail(wandering).setConstant(times * cell_radps());
-    Eigen::MatrixXd A = gram.topLeftCorner(all, all);
-    A.diagonal().head(nuisances) += prior_sd.cwiseAbs2().cwiseInverse();
-    A.diagonal().tail(coefficients) *= 1.0 + 1e-9;
-    const Eigen::LDLT<Eigen::MatrixXd> alone(A.topLeftCorner(nuisances, nuisances)), beside(A);
-    const double volume = -0.5 * alone.vectorD().cwiseAbs().array().log().sum() - prior_sd.array().log().sum();
-    best_without = std::max(best_without, volume + 0.5 * b_alone.dot(alone.solve(b_alone)));
-    const double with = volume + 0.5 * b.dot(beside.solve(b));
+    prior_sd.segment(wander_at(), x_.size() - wander_at()).setConstant(times * cell_radps());
+    Normal normal = readings;
+    normal.nuisances += information(prior_sd, variance);
+    const LeftOver left = left_over(normal);
+    Eigen::MatrixXd S = left.beside.topLeftCorner(coefficients, coefficients);
+    S.diagonal() += 1e-9 * readings.beside.diagonal().head(coefficients);
+    const Eigen::LDLT<Eigen::MatrixXd> solver(S);
+    const Eigen::VectorXd b = left.beside.col(coefficients).head(coefficients);
+    const double without = -0.5 * (left.beside(coefficients, coefficients) / variance + left.log_determinant) -
+                           prior_sd.array().log().sum();
+    const double with = without + 0.5 * b.dot(solver.solve(b)) / variance;
+    best_without = std::max(best_without, without);
     if (with <= best_with) continue;
     best_with = with;
-    const Eigen::MatrixXd unit = Eigen::MatrixXd::Identity(all, all).rightCols(coefficients);
-    out.sd = beside.solve(unit).bottomRows(coefficients).diagonal().cwiseAbs().cwiseSqrt();
+    const Eigen::MatrixXd covariance = variance * solver.solve(Eigen::MatrixXd::Identity(coefficients, coefficients));
+    out.sd = covariance.diagonal().cwiseAbs().cwiseSqrt();
   }
   out.gain_nats = best_with - best_without;
   return out;
 }
 
 HeldOutGain SelfConsistency::held_out(const std::vector<LawColumn>& law, const Eigen::VectorXd& applied) const {
-  const Eigen::MatrixXd columns = beside_nuisances({}, law, applied);
+  const Eigen::MatrixXd K = beside_nuisances(law, applied);
   const auto coefficients = static_cast<long>(law.size());
-  Eigen::VectorXd information(columns.cols());
-  information << prior_sd_.cwiseAbs2().cwiseInverse(),
-      kFree * columns.middleCols(N_.cols(), coefficients).colwise().squaredNorm().transpose(), 0.0;
+  const double variance = std::max(1.0, dispersion());
   const double span_s = recording_.t_s(recording_.size() - 1) - recording_.t_s(0);
-  const auto blocks = std::min<std::size_t>(kMostFolds, static_cast<std::size_t>(span_s / kBlock_s) + 1);
-  std::vector<std::vector<long>> rows(blocks);
-  for (long i = 0; i < y_.size(); ++i)
-    rows[static_cast<std::size_t>((recording_.t_s(row_of(i)) - recording_.t_s(0)) / kBlock_s) % blocks].push_back(i);
-  std::erase_if(rows, [](const std::vector<long>& r) { return r.empty(); });
+  const auto folds = std::min<std::size_t>(kMostFolds, static_cast<std::size_t>(span_s / kBlock_s) + 1);
+  std::vector<std::vector<Eigen::Triplet<double>>> rows(folds);
+  for (long i = 0; i < y_.size(); ++i) {
+    const auto block = static_cast<std::size_t>((recording_.t_s(row_of(i)) - recording_.t_s(0)) / kBlock_s);
+    auto& own = rows[block % folds];
+    own.emplace_back(static_cast<int>(own.size()), static_cast<int>(i), 1.0);
+  }
+  std::erase_if(rows, [](const auto& r) { return r.empty(); });
   HeldOutGain gain;
   if (rows.size() < 2) return gain;
-  std::vector<Eigen::MatrixXd> of_block;
-  Eigen::MatrixXd all = information.asDiagonal();
-  for (const auto& r : rows) all += of_block.emplace_back(products(columns(r, Eigen::all)));
-  const double whole = gain_of_last(all, coefficients);
-  for (const Eigen::MatrixXd& block : of_block) {
-    const double nats = whole - gain_of_last(all - block, coefficients);
+  Normal all(N_, K);
+  all.nuisances += information(prior_sd_, variance);
+  all.beside.diagonal().head(coefficients) *= 1.0 + kFree;
+  const double whole = gain_of_law(left_over(all), variance);
+  for (const auto& r : rows) {
+    Sparse own(static_cast<long>(r.size()), y_.size());
+    own.setFromTriplets(r.begin(), r.end());
+    Normal others = all;
+    others.add(Normal(N_.under(own), own * K), -1.0);
+    const double nats = whole - gain_of_law(left_over(others), variance);
     gain.nats += nats, gain.blocks_better += nats > 0, ++gain.blocks;
   }
   return gain;
 }
 
 void SelfConsistency::add_nuisances(const Eigen::MatrixXd& C) {
-  const Eigen::MatrixXd NC = N_.transpose() * C;
-  const Eigen::MatrixXd S = C.transpose() * C - NC.transpose() * gram_.solve(NC);
+  const Eigen::MatrixXd NC = N_.transposed_times(C);
+  const Eigen::MatrixXd S = C.transpose() * C - NC.transpose() * gram_->solve(NC);
   const Eigen::VectorXd value = S.ldlt().solve(C.transpose() * y_);
-  y_ -= C * value - N_ * gram_.solve(NC * value);
-  Eigen::MatrixXd wider(N_.rows(), N_.cols() + C.cols());
-  wider << N_, C;
-  N_ = std::move(wider);
-  Eigen::VectorXd prior(N_.cols());
+  y_ -= C * value - N_.times(gram_->solve(NC * value));
+  N_.accepted.conservativeResize(C.rows(), N_.accepted.cols() + C.cols());
+  N_.accepted.rightCols(C.cols()) = C;
+  Eigen::VectorXd prior(N_.size());
   prior << prior_sd_, C.colwise().norm().transpose().cwiseInverse() * 1e4;  // next to free
   prior_sd_ = prior;
-  Eigen::MatrixXd gram = products(N_);
-  gram.diagonal() += information();
-  gram_.compute(gram);
+  factorise();
 }
 
 void SelfConsistency::accept(const std::vector<LawColumn>& law) {
@@ -253,13 +227,14 @@ void SelfConsistency::accept(const std::vector<LawColumn>& law) {
 SelfConsistency::Series SelfConsistency::series(Sensor sensor, const std::vector<LawColumn>& law,
                                                 const Eigen::VectorXd& applied) const {
   Series out;
-  const Eigen::MatrixXd white = whitened(law), raw = columns(law), nuisance = nuisance_columns();
+  const Eigen::MatrixXd raw = columns(law), white = whitener_ * raw;
+  const NuisanceColumns nuisance = nuisance_columns();
   const Eigen::VectorXd value = law.empty() ? Eigen::VectorXd() : fit(law, applied).value;
   const Eigen::VectorXd before_value = applied.size() > 0 ? applied : Eigen::VectorXd::Zero(value.size()).eval();
   // Before: the residual with the nuisances alone at their best. Explained: the law, less what the nuisances give back.
   const auto given_back = [&](const Eigen::VectorXd& v) {
-    const Eigen::VectorXd x = gram_.solve(N_.transpose() * (white * v));
-    return (raw * v - nuisance * x.head(nuisance.cols())).eval();
+    const Eigen::VectorXd x = gram_->solve(N_.transposed_times(white * v));
+    return (raw * v - nuisance.times(x.head(nuisance.size()))).eval();
   };
   const Eigen::VectorXd r = residual() + given_back(before_value), e = given_back(value);
   const auto nm = static_cast<long>(mag_rows_.size()), nc = static_cast<long>(cells_.size());

@@ -1,0 +1,44 @@
+/// The columns of the self-consistency model's nuisances, most of which reach a few rows only, and what they leave of
+/// the columns beside them.
+#pragma once
+#include <Eigen/Core>
+#include <Eigen/SparseCholesky>
+#include <Eigen/SparseCore>
+
+namespace stillpoint::diag::detail {
+
+using Sparse = Eigen::SparseMatrix<double>;
+
+/// Rows: readings. In the order of the numbers: the calibration, what is local, what was accepted since.
+struct NuisanceColumns {
+  Eigen::MatrixXd calibration;  ///< reaches every row
+  Sparse local;                 ///< the attitude of a leg, the offset of a rest
+  Eigen::MatrixXd accepted;     ///< laws
+
+  [[nodiscard]] long size() const { return calibration.cols() + local.cols() + accepted.cols(); }
+  [[nodiscard]] Eigen::MatrixXd times(const Eigen::MatrixXd& numbers) const;
+  [[nodiscard]] Eigen::MatrixXd transposed_times(const Eigen::MatrixXd& rows) const;
+  [[nodiscard]] Sparse products() const;  ///< N^T N, lower half
+  /// `rows`: a selection or a filter of them, as a matrix.
+  [[nodiscard]] NuisanceColumns under(const Sparse& rows) const;
+};
+
+using NuisanceSolver = Eigen::SimplicialLDLT<Sparse>;
+
+/// Normal equations of the nuisances N and of the columns K beside them.
+struct Normal {
+  Sparse nuisances;                ///< N^T N, lower half
+  Eigen::MatrixXd across, beside;  ///< N^T K, K^T K
+
+  Normal(const NuisanceColumns& n, const Eigen::MatrixXd& k);
+  void add(const Normal& other, double times);
+};
+
+/// K^T K when the nuisances have taken all they can (Schur complement), and how much there was of them.
+struct LeftOver {
+  Eigen::MatrixXd beside;
+  double log_determinant = 0.0;
+};
+[[nodiscard]] LeftOver left_over(const Normal& normal);
+
+}  // namespace stillpoint::diag::detail
