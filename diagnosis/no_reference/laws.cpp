@@ -14,6 +14,7 @@ constexpr double kReferenceTemperature_degC = 25.0;
 constexpr double kTemperatureSmoothing_s = 1.0;
 constexpr double kVibrationWindow_s = 0.5;
 constexpr double kEarthRate_radps = 7.292e-5;
+constexpr std::size_t kMostOffsets = 60;    // more follow a drift no better
 constexpr std::size_t kLeastAttitudes = 3;  // rests, to tell laws of the accelerometer from each other
 constexpr double kStepGrid_s = 1.0, kStepMargin_s = 3.0;
 
@@ -278,13 +279,11 @@ std::vector<WitnessedLaw> witnessed_laws(const SelfConsistency& model, const sim
 std::vector<LawColumn> free_offsets(const SelfConsistency& model, Sensor sensor) {
   std::vector<LawColumn> c;
   const auto& rest = model.rest();
-  for (std::size_t w = 1; w < rest.size(); ++w) {
-    const std::size_t from = (rest[w - 1].last + rest[w].first) / 2;
-    const std::size_t to = w + 1 < rest.size() ? (rest[w].last + rest[w + 1].first) / 2 : model.recording().size();
-    for (int k = 0; k < 3; ++k) {
-      c.push_back({sensor, std::vector<Vec3>(model.recording().size(), Vec3::Zero())});
-      for (std::size_t i = from; i < to; ++i) c.back().unit[i] = Vec3::Unit(k);
-    }
+  const std::size_t together = (rest.size() + kMostOffsets - 1) / kMostOffsets;
+  for (std::size_t w = together; w < rest.size(); w += together) {
+    const std::size_t next = w + together, from = (rest[w - 1].last + rest[w].first) / 2;
+    const std::size_t to = next < rest.size() ? (rest[next - 1].last + rest[next].first) / 2 : model.recording().size();
+    for (int k = 0; k < 3; ++k) c.push_back({sensor, std::vector<Vec3>(to - from, Vec3::Unit(k)), from});
   }
   return c;
 }

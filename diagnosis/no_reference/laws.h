@@ -26,7 +26,8 @@ struct WitnessedLaw {
 [[nodiscard]] std::vector<WitnessedLaw> witnessed_laws(const SelfConsistency& model,
                                                        const sim::SimulationConfig& simulation);
 
-/// An offset of its own in every rest: what no slow law can exceed. Names a drift where nothing else reaches it.
+/// An offset of its own in every rest (in neighbours together where there are very many): what no slow law can exceed.
+/// Names a drift where nothing else reaches it.
 [[nodiscard]] std::vector<LawColumn> free_offsets(const SelfConsistency& model, Sensor sensor);
 
 }  // namespace stillpoint::diag::detail

@@ -13,7 +13,6 @@ namespace {
 constexpr std::size_t kMostMagRows = 9000;
 // Of motion integrated at a stretch: between rests far apart the attitude is put right too.
 constexpr double kLeastLeg_s = 1.0, kLeg_s = 8.0;
-constexpr double kMostLegs = 60.0;
 constexpr double kLeastClosure_rad = 1e-4;
 // How far the simulation's calibration may be off (matrix entries; offsets in the sensor's unit).
 constexpr double kMatrixPrior = 0.05, kGyroOffsetPrior = 0.05, kAccOffsetPrior = 0.5, kMagOffsetPrior = 10.0,
@@ -89,7 +88,7 @@ double SelfConsistency::even_leg_s() const {
 
 /// At the first row, at every rest after the first, and so often in between that no leg of motion is too long.
 void SelfConsistency::place_knots() {
-  leg_s_ = std::max(std::clamp(0.5 * even_leg_s(), kLeastLeg_s, kLeg_s), span_s() / kMostLegs);
+  leg_s_ = std::clamp(0.5 * even_leg_s(), kLeastLeg_s, kLeg_s);
   knots_ = {0};
   const auto go_to = [this](std::size_t row) {
     const std::size_t from = std::max(knots_.back(), first_row());

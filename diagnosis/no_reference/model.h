@@ -174,7 +174,7 @@ class SelfConsistency {
   [[nodiscard]] Sparse information(const Eigen::VectorXd& prior_sd, double times) const;
   void attitude_column(const std::vector<Vec3>& eps_world, Eigen::Ref<Eigen::VectorXd> out) const;
   void sensor_column(const LawColumn& column, Eigen::Ref<Eigen::VectorXd> out) const;
-  [[nodiscard]] Sparse whitener() const;
+  [[nodiscard]] SparseRows whitener() const;
   [[nodiscard]] Vec3 cell_mean(const std::vector<Vec3>& v, const Cell& cell) const;
 
   const io::Recording& recording_;
@@ -202,7 +202,7 @@ class SelfConsistency {
   /// Mean square of the whitened residual, at least 1: what no nuisance explains must not bend them.
   double doubt_ = 1.0;
 
-  Sparse whitener_;
+  SparseRows whitener_;
   NuisanceColumns N_;  ///< whitened
   Eigen::VectorXd y_;  ///< whitened residual
   std::shared_ptr<const NuisanceSolver> gram_;

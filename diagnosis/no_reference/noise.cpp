@@ -78,7 +78,7 @@ void SelfConsistency::find_field_noise() {
 }
 
 /// Takes the memory out of the readings and puts them into units of their noise, row for row.
-Sparse SelfConsistency::whitener() const {
+SparseRows SelfConsistency::whitener() const {
   const auto nm = static_cast<long>(mag_rows_.size()), nc = static_cast<long>(cells_.size());
   std::vector<Eigen::Triplet<double>> entries;
   const auto put = [&entries](long row, long column, double value) {
@@ -96,7 +96,7 @@ Sparse SelfConsistency::whitener() const {
       put(force, force, 1.0 / force_sd_[k]), put(rate, rate, 1.0 / rate_sd_[k]);
     }
   }
-  Sparse out(3 * nm + 6 * nc, 3 * nm + 6 * nc);
+  SparseRows out(3 * nm + 6 * nc, 3 * nm + 6 * nc);
   out.setFromTriplets(entries.begin(), entries.end());
   return out;
 }

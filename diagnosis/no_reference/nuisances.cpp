@@ -7,6 +7,13 @@ namespace {
 
 using Triplets = std::vector<Eigen::Triplet<double>>;
 
+/// C^T C, lower half.
+Eigen::MatrixXd squared(const Eigen::MatrixXd& columns) {
+  Eigen::MatrixXd out = Eigen::MatrixXd::Zero(columns.cols(), columns.cols());
+  out.selfadjointView<Eigen::Lower>().rankUpdate(columns.transpose());
+  return out;
+}
+
 void put(Triplets& to, const Eigen::MatrixXd& block, long at_row, long at_col) {
   for (long j = 0; j < block.cols(); ++j)
     for (long i = 0; i < block.rows(); ++i)
@@ -38,17 +45,17 @@ Sparse NuisanceColumns::products() const {
   for (int j = 0; j < locals.outerSize(); ++j)
     for (Sparse::InnerIterator at(locals, j); at; ++at)
       if (at.row() >= j) entries.emplace_back(static_cast<int>(c + at.row()), static_cast<int>(c + j), at.value());
-  put(entries, calibration.transpose() * calibration, 0, 0);
+  put(entries, squared(calibration), 0, 0);
   put(entries, local.transpose() * calibration, c, 0);
   put(entries, accepted.transpose() * calibration, c + l, 0);
   put(entries, (local.transpose() * accepted).transpose(), c + l, c);
-  put(entries, accepted.transpose() * accepted, c + l, c + l);
+  put(entries, squared(accepted), c + l, c + l);
   Sparse out(size(), size());
   out.setFromTriplets(entries.begin(), entries.end());
   return out;
 }
 
-NuisanceColumns NuisanceColumns::under(const Sparse& rows) const {
+NuisanceColumns NuisanceColumns::under(const SparseRows& rows) const {
   return {rows * calibration, rows * local, rows * accepted};
 }
 

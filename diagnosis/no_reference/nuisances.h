@@ -8,6 +8,7 @@
 namespace stillpoint::diag::detail {
 
 using Sparse = Eigen::SparseMatrix<double>;
+using SparseRows = Eigen::SparseMatrix<double, Eigen::RowMajor>;  ///< to select readings or to filter them
 
 /// Rows: readings. In the order of the numbers: the calibration, what is local, what was accepted since.
 struct NuisanceColumns {
@@ -19,8 +20,7 @@ struct NuisanceColumns {
   [[nodiscard]] Eigen::MatrixXd times(const Eigen::MatrixXd& numbers) const;
   [[nodiscard]] Eigen::MatrixXd transposed_times(const Eigen::MatrixXd& rows) const;
   [[nodiscard]] Sparse products() const;  ///< N^T N, lower half
-  /// `rows`: a selection or a filter of them, as a matrix.
-  [[nodiscard]] NuisanceColumns under(const Sparse& rows) const;
+  [[nodiscard]] NuisanceColumns under(const SparseRows& rows) const;
 };
 
 using NuisanceSolver = Eigen::SimplicialLDLT<Sparse>;

@@ -196,7 +196,7 @@ HeldOutGain SelfConsistency::held_out(const std::vector<LawColumn>& law, const E
   all.beside.diagonal().head(coefficients) *= 1.0 + kFree;
   const double whole = gain_of_law(left_over(all), variance);
   for (const auto& r : rows) {
-    Sparse own(static_cast<long>(r.size()), y_.size());
+    SparseRows own(static_cast<long>(r.size()), y_.size());
     own.setFromTriplets(r.begin(), r.end());
     Normal others = all;
     others.add(Normal(N_.under(own), own * K), -1.0);

@@ -199,11 +199,10 @@ Series3 contribution_of(const Columns& columns, const Eigen::VectorXd& theta, Ei
   return effect;
 }
 
-Eigen::MatrixXd walk_basis(const Signals& s, double shortest_period_s) {
-  const double length = s.duration_s();
-  const int terms = std::clamp(static_cast<int>(2.0 * length / shortest_period_s), 4, kMostWalkTerms);
-  Eigen::MatrixXd walk(s.n, terms);
-  walk.col(0) = (s.t_s.array() * (std::numbers::pi / length)).cos();
+Eigen::MatrixXd walk_basis(const Series& t_s, double duration_s, double shortest_period_s) {
+  const int terms = std::clamp(static_cast<int>(2.0 * duration_s / shortest_period_s), 4, kMostWalkTerms);
+  Eigen::MatrixXd walk(t_s.size(), terms);
+  walk.col(0) = (t_s.array() * (std::numbers::pi / duration_s)).cos();
   walk.col(1) = 2.0 * walk.col(0).array().square() - 1.0;
   for (int k = 2; k < terms; ++k)  // cos (k + 1) x = 2 cos x cos k x - cos (k - 1) x
     walk.col(k) = 2.0 * walk.col(0).cwiseProduct(walk.col(k - 1)) - walk.col(k - 2);

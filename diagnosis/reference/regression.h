@@ -43,7 +43,10 @@ struct Target {
 
 [[nodiscard]] Target make_target(const Signals& s, Sensor sensor);
 /// cos(k pi t / T), k = 1..K, down to about the given period.
-[[nodiscard]] Eigen::MatrixXd walk_basis(const Signals& s, double shortest_period_s = 8.0);
+[[nodiscard]] Eigen::MatrixXd walk_basis(const Series& t_s, double duration_s, double shortest_period_s);
+[[nodiscard]] inline Eigen::MatrixXd walk_basis(const Signals& s, double shortest_period_s = 8.0) {
+  return walk_basis(s.t_s, s.duration_s(), shortest_period_s);
+}
 
 /// Prior deviations of the walk's coefficients k = 1..K: a walk with q unit/sqrt(s) has variance 2 q^2 T / (k pi)^2
 /// there.

@@ -22,6 +22,7 @@ constexpr double kOneAxis = 0.97;       // of the turning: a mount that gives wa
 constexpr double kSpeaks = 12.0;        // nats for one cause that two sensors see over one of each's own, or none
 constexpr double kLate_s = 0.05, kVaries_s = 0.01;  // a lateness and its slow changes, for their prior
 constexpr int kLateTerms = 5;
+constexpr double kRows = 3000.0;  // fewer than 75 a period would not follow it
 
 /// What may come from outside of the sensors, as columns with prior deviations of their coefficients: first turns,
 /// cosines of the recording's length about three axes of the body or of the world; last a lateness that varies slowly,
@@ -34,21 +35,30 @@ struct Basis {
   [[nodiscard]] Eigen::Index turns() const { return static_cast<Eigen::Index>(turn.size()); }
 };
 
+/// A turn about an axis of the body or of the world, in the sensor's frame.
+struct Turning {
+  Series3 turn, rate;
+};
+
+Turning turning_about(const Signals& s, bool in_world, int axis, const Series& course_rad) {
+  const Series3 about =
+      in_world ? s.world_axis[static_cast<std::size_t>(axis)] : Series3(Vec3::Unit(axis).transpose().replicate(s.n, 1));
+  Turning out{course_rad.asDiagonal() * about, derivative(course_rad.replicate(1, 3), s.rows).cwiseProduct(about)};
+  if (in_world) out.rate -= cross_rows(s.rate, out.turn);  // the world's axes turn against the body
+  for (Eigen::Index i = 0; i < s.n; ++i)                   // the reference's own rate is not believed at rest
+    if (s.rest[static_cast<std::size_t>(i)]) out.rate.row(i).setZero();
+  return out;
+}
+
 Basis make_basis(const Signals& s, bool in_world) {
   Basis out;
   const Eigen::MatrixXd walk = walk_basis(s, kShortest_s);
   const Eigen::Index terms = walk.cols();
-  for (int axis = 0; axis < 3; ++axis) {
-    const Series3 about = in_world ? s.world_axis[static_cast<std::size_t>(axis)]
-                                   : Series3(Vec3::Unit(axis).transpose().replicate(s.n, 1));
+  for (int axis = 0; axis < 3; ++axis)
     for (Eigen::Index k = 0; k < terms; ++k) {
-      out.turn.emplace_back(walk.col(k).asDiagonal() * about);
-      out.rate.emplace_back(derivative(walk.col(k).replicate(1, 3), s.rows).cwiseProduct(about));
-      if (in_world) out.rate.back() -= cross_rows(s.rate, out.turn.back());  // the world's axes turn against the body
-      for (Eigen::Index i = 0; i < s.n; ++i)  // the reference's own rate is not believed at rest
-        if (s.rest[static_cast<std::size_t>(i)]) out.rate.back().row(i).setZero();
+      Turning one = turning_about(s, in_world, axis, walk.col(k));
+      out.turn.push_back(std::move(one.turn)), out.rate.push_back(std::move(one.rate));
     }
-  }
   out.late = Eigen::MatrixXd::Ones(s.n, kLateTerms);
   out.late.rightCols(kLateTerms - 1) = walk.leftCols(kLateTerms - 1);
   out.sd = Eigen::VectorXd::Constant(out.turns() + kLateTerms, kVaries_s);
@@ -195,16 +205,14 @@ std::optional<Together> agreed(const Basis& basis, const std::vector<Testimony>&
   return best;
 }
 
-struct Turning {
-  Series3 turn, rate;
-  double shortest_s = 0.0;
-};
-
-Turning turning_of(const Basis& basis, const Together& one) {
-  Turning out{Series3::Zero(basis.turn[0].rows(), 3), Series3::Zero(basis.turn[0].rows(), 3), basis.shortest_s};
-  for (Eigen::Index j = 0; one.columns.begin == 0 && j < basis.turns(); ++j) {
-    out.turn += one.course[j] * basis.turn[static_cast<std::size_t>(j)];
-    out.rate += one.course[j] * basis.rate[static_cast<std::size_t>(j)];
+/// Where no lateness is the cause, on every row. `duration_s`: of the rows that the course was found on.
+Turning turning_of(const Signals& s, const Together& one, bool in_world, double duration_s) {
+  Turning out{Series3::Zero(s.n, 3), Series3::Zero(s.n, 3)};
+  if (one.columns.begin > 0) return out;
+  const Eigen::MatrixXd walk = walk_basis(s.t_s, duration_s, kShortest_s);
+  for (int axis = 0; axis < 3; ++axis) {
+    const Turning part = turning_about(s, in_world, axis, walk * one.course.segment(axis * walk.cols(), walk.cols()));
+    out.turn += part.turn, out.rate += part.rate;
   }
   return out;
 }
@@ -220,18 +228,21 @@ double share_of_one_axis(const Series3& turn) {
 
 void take_out_wandering(Signals& s, Answer& answer) {
   if (s.exact_reference || s.from_log) return;
-  double evidence_nats = 0.0;
+  const auto factor = std::max<Eigen::Index>(1, std::lround(static_cast<double>(s.n) / kRows));
+  const Signals few = factor > 1 ? thinned(s, factor) : s;
+  double evidence_nats = 0.0, shortest_s = 0.0;
   Turning turning;
   std::string who;
-  const std::vector<Witness> witnesses = witnesses_of(s);
+  const std::vector<Witness> witnesses = witnesses_of(few);
   for (const bool in_world : {false, true}) {
-    const Basis basis = make_basis(s, in_world);
+    const Basis basis = make_basis(few, in_world);
     std::vector<Testimony> all;
-    for (const Witness& w : witnesses) all.push_back(testimony_of(s, w, basis));
+    for (const Witness& w : witnesses) all.push_back(testimony_of(few, w, basis));
     const auto best = agreed(basis, all);
     if (!best || best->evidence_nats < evidence_nats) continue;
     evidence_nats = best->evidence_nats;
-    turning = turning_of(basis, *best);
+    turning = turning_of(s, *best, in_world, few.duration_s());
+    shortest_s = basis.shortest_s;
     who.clear();
     for (const Testimony* t : best->sensors) who += (who.empty() ? "" : " and ") + std::string(kSensorName[t->sensor]);
   }
@@ -243,7 +254,7 @@ void take_out_wandering(Signals& s, Answer& answer) {
   answer.diagnosis.notices.push_back(fmt::format(
       "reference: it turns slowly against the sensors, by {:.2g} rad rms about an axis, in periods of more than {:.0f} "
       "s: {} agree about it. What they agree about is taken out",
-      rms_rad, turning.shortest_s, who));
+      rms_rad, shortest_s, who));
 }
 
 }  // namespace stillpoint::diag
