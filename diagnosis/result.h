@@ -30,7 +30,8 @@ struct Parameter {
 struct HeldOut {
   double rms_before = 0.0, rms_after = 0.0, noise_floor = 0.0;
   std::string unit;
-  double gain_nats = 0.0;                ///< whitened log-likelihood gain on data not used for the fit
+  double gain_nats = 0.0;                ///< log-likelihood gain on data not used for the fit
+  double gain_elsewhere_nats = 0.0;      ///< less what the block gains that gains most
   double removable_share_removed = 0.0;  ///< 1: all of the error that is not noise is gone
   std::array<double, 2> share_ci95{};    ///< of it, from block to block
   std::string on;                        ///< what was held out; empty: nothing was

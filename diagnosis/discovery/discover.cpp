@@ -108,7 +108,7 @@ bool moves_the_others(const SensorSearch& search, const Fit& beside) {
 
 /// What it leaves out of its fit is larger with it than without: a wandering offset, or a bias and matrix that this
 /// motion hardly tells from it, took back what it does.
-bool leaves_more(const HeldOut& h) { return h.gain_nats < 0.0 || h.rms_after > kLeaves * h.rms_before; }
+bool leaves_more(const HeldOut& h) { return !predicts(h) || h.rms_after > kLeaves * h.rms_before; }
 
 /// What would not be stated must not stand in the place of what would.
 bool may_be_stated(const Signals& s, const SensorSearch& search, const Found& law) {

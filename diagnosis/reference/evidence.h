@@ -21,13 +21,17 @@ struct Finished {
 /// First column of effect `index` among the explained ones.
 [[nodiscard]] Eigen::Index first_column(const SensorSearch& search, std::size_t index);
 
-/// Interleaved folds of 4 s: fitted on one half of the blocks, judged on the other, then exchanged. Before: without
-/// the given effects, by index, ascending.
+/// Blocks of 4 s: fitted on every second one, judged on the others, then exchanged. Where half of the blocks do not
+/// tell bias and matrix, each is judged by all others. Before: without the given effects, by index, ascending.
 [[nodiscard]] HeldOut held_out(const SensorSearch& search, const std::vector<std::size_t>& effects);
 
 /// The same with the share that is removed on kinds of motion left out of the fit, and its interval; what is local in
 /// time on blocks, as it is in one kind only.
 [[nodiscard]] HeldOut held_out_by_regime(const SensorSearch& search, const std::vector<std::size_t>& effects);
+
+/// Whether blocks are told by others. What acts in one of them alone gains there, as a coefficient that nothing is
+/// known of is better than none.
+[[nodiscard]] bool predicts(const HeldOut& h);
 
 /// Whether a share with an interval is known of it.
 [[nodiscard]] bool is_judged(const HeldOut& h);

@@ -3,12 +3,15 @@
 #include <algorithm>
 #include <cmath>
 
+#include "diagnosis/reference/blocks_left_out.h"
 #include "diagnosis/reference/evidence.h"
 
 namespace stillpoint::diag {
 namespace {
 
 constexpr double kFold_s = 4.0;  // blocks beside each other, every second one left out
+constexpr double kAstray = 1.5;  // times what the whole leaves
+constexpr int kFolds = 8;        // where halves go astray
 // What acts for a while, but for so long and so strongly, in so many pieces, one left out: half of it may not show all
 // coefficients.
 constexpr double kLongWindow_s = 8.0, kStrong_nats = 100.0;
@@ -198,48 +201,89 @@ void share_of(const Judged& j, const Series& floor, Eigen::Index block, HeldOut&
   out.share_ci95 = {out.removable_share_removed - half, out.removable_share_removed + half};
 }
 
+/// Whether half of the blocks do not tell what the sensor reads without the effects: the half of a dozen turns from
+/// pose to pose is no matrix.
+bool halves_go_astray(const SensorSearch& search, const std::vector<std::size_t>& effects, const NoiseModel& noise,
+                      const Judged& halves) {
+  const auto [less, fewer] = without_effects(search, effects);
+  const Eigen::ArrayXd& counts = search.target.layout.counts;
+  return rms_over(halves.before, counts) > kAstray * rms_over(fit_with(less, fewer, noise, {}).leftover, counts);
+}
+
+/// What blocks gain, and the rows with coefficients of others: of halves, or where those go astray of all other blocks
+/// and with what they leave open.
+struct Blocks {
+  Eigen::VectorXd gain_nats;
+  Series3 before, after;
+  bool of_halves = true;
+};
+
+Blocks blocks_of(const SensorSearch& search, const std::vector<std::size_t>& effects, const NoiseModel& noise) {
+  const Target& t = search.target;
+  const Folds folds = beside_each_other(t);
+  const Judged halves = judge_on(search, effects, noise, folds);
+  if (halves_go_astray(search, effects, noise, halves)) {
+    const auto [less, fewer] = without_effects(search, effects);
+    LeftOut with = blocks_left_out(t, search.explained(), noise, folds.block),
+            without = blocks_left_out(less, fewer, noise, folds.block);
+    return {with.nats - without.nats, std::move(without.residual), std::move(with.residual), false};
+  }
+  Blocks out{Eigen::VectorXd((t.layout.n + folds.block - 1) / folds.block), halves.before, halves.after};
+  for (Eigen::Index b = 0; b < out.gain_nats.size(); ++b) {
+    const Eigen::Index begin = b * folds.block, length = std::min(folds.block, t.layout.n - begin);
+    out.gain_nats[b] = 0.5 * (halves.square_before - halves.square_after).segment(begin, length).sum();
+  }
+  return out;
+}
+
+/// `floor`: what the best coefficients leave, those of the whole recording.
+HeldOut summary_of(const Target& t, const Blocks& blocks, const Series3& floor) {
+  HeldOut out;
+  out.blocks = static_cast<int>(blocks.gain_nats.size());
+  out.blocks_better = static_cast<int>((blocks.gain_nats.array() > 0).count());
+  out.gain_nats = blocks.gain_nats.sum();
+  out.gain_elsewhere_nats = out.gain_nats - blocks.gain_nats.maxCoeff();
+  out.rms_before = rms_over(blocks.before, t.layout.counts);
+  out.rms_after = rms_over(blocks.after, t.layout.counts);
+  out.noise_floor = rms_over(floor, t.layout.counts);
+  const double removable = out.rms_before * out.rms_before - out.noise_floor * out.noise_floor;
+  if (removable > 0)
+    out.removable_share_removed = (out.rms_before * out.rms_before - out.rms_after * out.rms_after) / removable;
+  out.unit = kSensorUnit[t.sensor];
+  return out;
+}
+
 }  // namespace
 
 HeldOut held_out(const SensorSearch& search, const std::vector<std::size_t>& effects) {
   const Target& t = search.target;
   const Columns all = search.explained();
   const NoiseModel noise(t.layout, fit_profile(t, all).leftover);
-  const Folds folds = beside_each_other(t);
-  const Judged j = judge_on(search, effects, noise, folds);
-  HeldOut out;
-  for (Eigen::Index begin = 0; begin < t.layout.n; begin += folds.block) {
-    const Eigen::Index length = std::min(folds.block, t.layout.n - begin);
-    const double here = 0.5 * (j.square_before - j.square_after).segment(begin, length).sum();
-    ++out.blocks;
-    if (here > 0) ++out.blocks_better;
-    out.gain_nats += here;
-  }
-  out.rms_before = rms_over(j.before, t.layout.counts);
-  out.rms_after = rms_over(j.after, t.layout.counts);
-  // The floor is what the best coefficients leave: those of the whole recording.
-  out.noise_floor = rms_over(fit_with(t, all, noise, {}).leftover, t.layout.counts);
-  const double removable = out.rms_before * out.rms_before - out.noise_floor * out.noise_floor;
-  if (removable > 0)
-    out.removable_share_removed = (out.rms_before * out.rms_before - out.rms_after * out.rms_after) / removable;
-  out.unit = kSensorUnit[search.sensor];
-  return out;
+  return summary_of(t, blocks_of(search, effects, noise), fit_with(t, all, noise, {}).leftover);
 }
 
 HeldOut held_out_by_regime(const SensorSearch& search, const std::vector<std::size_t>& effects) {
   const Target& t = search.target;
-  HeldOut out = held_out(search, effects);
   const Columns all = search.explained();
+  const NoiseModel noise(t.layout, fit_profile(t, all).leftover);
+  const Blocks blocks = blocks_of(search, effects, noise);
+  const Series3 best = fit_with(t, all, noise, {}).leftover;
+  HeldOut out = summary_of(t, blocks, best);
   Columns own;
   for (const std::size_t e : effects) own = joined(std::move(own), search.found[e].columns);
-  const Folds folds = folds_for(search, effects, own);
+  Folds folds = folds_for(search, effects, own);
+  if (folds.count == 2 && !folds.of_regimes && !blocks.of_halves) folds = beside_each_other(t, kFold_s, kFolds);
   out.on = folds.of_regimes ? "regimes"
                             : fmt::format("blocks of {:.2g} s", static_cast<double>(folds.block) * t.rows.step_s);
-  const NoiseModel noise(t.layout, fit_profile(t, all).leftover);
-  const Series3 best = fit_with(t, all, noise, {}).leftover;
   Series floor = Series::Zero(t.layout.n);
   for (int axis = 0; axis < 3; ++axis) floor += noise.whiten(t.layout, best.col(axis), axis).cwiseAbs2();
   share_of(judge_on(search, effects, noise, folds), floor, folds.block, out);
   return out;
+}
+
+bool predicts(const HeldOut& h) {
+  constexpr double kLeast_nats = 1.0, kLeastShare = 0.05;  // half a second of four and a half
+  return h.gain_elsewhere_nats >= std::max(kLeast_nats, kLeastShare * h.gain_nats);
 }
 
 bool is_judged(const HeldOut& h) { return h.share_ci95[1] > h.share_ci95[0]; }

@@ -12,6 +12,10 @@ namespace {
 // Bad parts are 5 times worse than usual ones, and an arm's vibration ten times that.
 constexpr double kBeyondUsual = 50.0;
 constexpr double kImitated = 0.25;  // of a resonance's power: what its own noise may have made
+// Gravity is told from a scale by the reference's translation alone, and that has a scale of its own: a wand's length,
+// a clock's rate twice, what is smoothed off a stroke.
+constexpr double kTranslationScale = 3e-4;
+constexpr double kMostOnEarth_mps2 = 0.2;
 
 /// The catalogue's entry of a law whose numbers are coefficients; nullptr: it is another kind of law.
 const sim::EffectInfo* entry_of_linear(const Found& law) {
@@ -60,6 +64,10 @@ bool possible(const Signals& s, const SensorSearch& search, const Found& law) {
   if (info == nullptr) return true;
   const Fit fit = fit_beside(search, law);
   if (undo_one_another(law, fit.theta.tail(count))) return false;
+  if (law.id == "acc_gravity") {
+    const double dg = std::abs(fit.theta.tail(count)[0]), sd = std::sqrt(fit.covariance.diagonal().tail(count)[0]);
+    return dg > 2.0 * std::hypot(sd, kTranslationScale * s.gravity_mps2) && dg < kMostOnEarth_mps2;
+  }
   double most = 0.0;
   for (const auto& p : info->parameters)
     if (p.symbol == "k" || p.symbol == "S" || p.symbol == "G") most = std::max(most, p.typical_high);

@@ -25,7 +25,6 @@ constexpr double kNatsForTheName = 5.0;    // log of the number of laws
 constexpr double kNatsForTheWindow = 8.0;  // log of the number of windows
 // Of a name, for each power of ten that its numbers are smaller than usual: slow noise resembles every law a little.
 constexpr double kNatsADecade = 8.0;
-constexpr double kLeastHeldOut = 1.0;             // nats on data not used for the fit
 constexpr double kLeastShareBesideUnknown = 0.1;  // a product stands for the true law to that much only
 constexpr std::size_t kShortNamed = 6, kShortUnknown = 3, kShortBesideWalk = 3;
 
@@ -239,15 +238,15 @@ std::optional<Found> next_effect(const Signals& s, SensorSearch& search) {
   if (search.found.empty()) search.ranking = ranking;
   keep_moments(refined, search);
 
-  const auto predicts = [&](const Found& f) {
+  const auto is_told_by_others = [&](const Found& f) {
     SensorSearch with = search;
     add_to(with, f);
-    return held_out(with, {with.found.size() - 1}).gain_nats >= kLeastHeldOut;
+    return predicts(held_out(with, {with.found.size() - 1}));
   };
   std::optional<Found> best = chosen(s, search, judge, refined);
-  if (best && !predicts(*best)) {
+  if (best && !is_told_by_others(*best)) {
     best = best->window.local ? nameless_instead(s, search, refined) : std::nullopt;
-    if (best && !predicts(*best)) best.reset();
+    if (best && !is_told_by_others(*best)) best.reset();
   }
   if (best) best->rivals = std::move(ranking);
   return best;

@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <utility>
+
 #include "tests/diagnosis/simulated.h"
 
 namespace stillpoint::diag {
@@ -24,6 +26,21 @@ TEST(Plausible, NumbersDoNotUndoOneAnother) {
   law.names = {"M_xx"};
   law.columns = {{-1, small}};
   EXPECT_TRUE(possible(*s, search, law));
+}
+
+TEST(Plausible, GravityIsOffByWhatPlacesDifferAndByMoreThanTheScaleOfATranslation) {
+  const auto config = test::baseline("exact", 60.0);
+  const Result<Signals> s = make_signals(test::record(config, "", {}, 3), config, {});
+  ASSERT_TRUE(s);
+  Found law;
+  law.id = "acc_gravity";
+  law.names = {"dg"};
+  law.columns = {{-1, s->world_axis[2]}};
+  for (const auto& [dg_mps2, is_possible] : {std::pair{0.03, true}, {-0.03, true}, {0.003, false}, {-4.5, false}}) {
+    SensorSearch search = start_search(*s, kAcc);
+    search.target.residual += dg_mps2 * s->world_axis[2];
+    EXPECT_EQ(possible(*s, search, law), is_possible) << dg_mps2;
+  }
 }
 
 }  // namespace
