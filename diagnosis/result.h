@@ -31,7 +31,7 @@ struct HeldOut {
   double rms_before = 0.0, rms_after = 0.0, noise_floor = 0.0;
   std::string unit;
   double gain_nats = 0.0;                ///< log-likelihood gain on data not used for the fit
-  double gain_elsewhere_nats = 0.0;      ///< less what the block gains that gains most
+  double told_by_others_nats = 0.0;      ///< of it; not what a block may have by leaving a coefficient open
   double removable_share_removed = 0.0;  ///< 1: all of the error that is not noise is gone
   std::array<double, 2> share_ci95{};    ///< of it, from block to block
   std::string on;                        ///< what was held out; empty: nothing was

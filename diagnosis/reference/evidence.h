@@ -29,8 +29,8 @@ struct Finished {
 /// time on blocks, as it is in one kind only.
 [[nodiscard]] HeldOut held_out_by_regime(const SensorSearch& search, const std::vector<std::size_t>& effects);
 
-/// Whether blocks are told by others. What acts in one of them alone gains there, as a coefficient that nothing is
-/// known of is better than none.
+/// Whether blocks are told by others. What acts in one of them alone gains there too where each is judged by all
+/// others: a coefficient that nothing is known of is better than none.
 [[nodiscard]] bool predicts(const HeldOut& h);
 
 /// Whether a share with an interval is known of it.

@@ -242,7 +242,7 @@ HeldOut summary_of(const Target& t, const Blocks& blocks, const Series3& floor) 
   out.blocks = static_cast<int>(blocks.gain_nats.size());
   out.blocks_better = static_cast<int>((blocks.gain_nats.array() > 0).count());
   out.gain_nats = blocks.gain_nats.sum();
-  out.gain_elsewhere_nats = out.gain_nats - blocks.gain_nats.maxCoeff();
+  out.told_by_others_nats = out.gain_nats - (blocks.of_halves ? 0.0 : blocks.gain_nats.maxCoeff());
   out.rms_before = rms_over(blocks.before, t.layout.counts);
   out.rms_after = rms_over(blocks.after, t.layout.counts);
   out.noise_floor = rms_over(floor, t.layout.counts);
@@ -283,7 +283,7 @@ HeldOut held_out_by_regime(const SensorSearch& search, const std::vector<std::si
 
 bool predicts(const HeldOut& h) {
   constexpr double kLeast_nats = 1.0, kLeastShare = 0.05;  // half a second of four and a half
-  return h.gain_elsewhere_nats >= std::max(kLeast_nats, kLeastShare * h.gain_nats);
+  return h.told_by_others_nats >= std::max(kLeast_nats, kLeastShare * h.gain_nats);
 }
 
 bool is_judged(const HeldOut& h) { return h.share_ci95[1] > h.share_ci95[0]; }
