@@ -3,6 +3,7 @@
 // and its rate must be in the gyroscope: what two of them say of it independently is no physics of either.
 #include <fmt/format.h>
 
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -76,7 +77,7 @@ Columns shown_in(const Signals& s, Sensor sensor, const Basis& basis) {
   for (std::size_t j = 0; j < basis.turn.size(); ++j) {
     Series3 x = -cross_rows(basis.turn[j], v);
     if (sensor == kGyr) x += basis.rate[j];
-    out.push_back({-1, std::move(x)});
+    out.push_back({-1, x});
   }
   const Series3 late = -derivative(v, s.rows);
   for (Eigen::Index j = 0; j < basis.late.cols(); ++j) out.push_back({-1, basis.late.col(j).asDiagonal() * late});
@@ -237,6 +238,7 @@ void take_out_wandering(Signals& s, Answer& answer) {
   for (const bool in_world : {false, true}) {
     const Basis basis = make_basis(few, in_world);
     std::vector<Testimony> all;
+    all.reserve(witnesses.size());
     for (const Witness& w : witnesses) all.push_back(testimony_of(few, w, basis));
     const auto best = agreed(basis, all);
     if (!best || best->evidence_nats < evidence_nats) continue;
