@@ -8,8 +8,6 @@
 namespace stillpoint::diag::detail {
 namespace {
 
-using Triplets = std::vector<Eigen::Triplet<double>>;
-
 void put(Triplets& to, long row, long apart, long column, const Mat3& block) {
   for (int i = 0; i < 3; ++i)
     for (int j = 0; j < 3; ++j)
@@ -55,9 +53,7 @@ Sparse SelfConsistency::local_columns() const {
     }
     column += 3;
   }
-  Sparse out(3 * nm + 6 * nc, column);
-  out.setFromTriplets(entries.begin(), entries.end());
-  return out;
+  return assembled<Sparse>(3 * nm + 6 * nc, column, entries);
 }
 
 Sparse SelfConsistency::departures() const {
@@ -70,9 +66,7 @@ Sparse SelfConsistency::departures() const {
     if (next < knots_.size()) put(entries, kLegsAt + 3 * static_cast<long>(next), 1, column, -turns_in(rest).back());
     column += 3;
   }
-  Sparse out(x_.size(), x_.size());
-  out.setFromTriplets(entries.begin(), entries.end());
-  return out;
+  return assembled<Sparse>(x_.size(), x_.size(), entries);
 }
 
 /// Of the prior, on the numbers themselves; what was accepted since is independent of all others.

@@ -153,9 +153,14 @@ void SelfConsistency::predict() {
     mag_[i] = corrected(x_, kMagAt, corrected(*simulation_.magnetometer, recording_.mag_uT[i]));
     if (!applied_[kMag].empty()) mag_[i] -= applied_[kMag][i];
   }
+}
+
+/// Around the attitude as it stands; a step that is only tried needs none of it.
+void SelfConsistency::find_turned() {
   turned_.clear();
   const auto nm = static_cast<long>(mag_rows_.size()), nc = static_cast<long>(cells_.size());
-  const Mat3 turns_field = skew(m_w), turns_up = skew(Vec3(0, 0, simulation_.gravity_mps2));
+  const Mat3 turns_field = skew(field_world_ + x_.segment<3>(kFieldAt)),
+             turns_up = skew(Vec3(0, 0, simulation_.gravity_mps2));
   for (const std::size_t row : mag_rows_)
     turned_.push_back({row, static_cast<long>(turned_.size()), nm, R_[row].transpose() * turns_field});
   for (long c = 0; c < nc; ++c) {

@@ -148,6 +148,7 @@ class SelfConsistency {
   void place_knots();
   void integrate();
   void predict();
+  void find_turned();
   void find_noise();
   void find_field_noise();
   [[nodiscard]] std::vector<std::vector<Vec3>> field_at_rest(std::size_t most_rows) const;
@@ -166,7 +167,7 @@ class SelfConsistency {
   [[nodiscard]] Eigen::MatrixXd scores_of_stretches(const Eigen::MatrixXd& rows) const;
   [[nodiscard]] std::size_t row_of(long i) const;
   void add_nuisances(const Eigen::MatrixXd& whitened_columns);
-  void factorise();
+  void factorise(const Sparse& information);
   [[nodiscard]] Eigen::VectorXd residual() const;
   [[nodiscard]] double surprise(const Eigen::VectorXd& x) const {
     return (departures_ * x).cwiseQuotient(prior_sd_.head(x.size())).squaredNorm();

@@ -80,7 +80,7 @@ void SelfConsistency::find_field_noise() {
 /// Takes the memory out of the readings and puts them into units of their noise, row for row.
 SparseRows SelfConsistency::whitener() const {
   const auto nm = static_cast<long>(mag_rows_.size()), nc = static_cast<long>(cells_.size());
-  std::vector<Eigen::Triplet<double>> entries;
+  Triplets entries;
   const auto put = [&entries](long row, long column, double value) {
     entries.emplace_back(static_cast<int>(row), static_cast<int>(column), value);
   };
@@ -96,9 +96,7 @@ SparseRows SelfConsistency::whitener() const {
       put(force, force, 1.0 / force_sd_[k]), put(rate, rate, 1.0 / rate_sd_[k]);
     }
   }
-  SparseRows out(3 * nm + 6 * nc, 3 * nm + 6 * nc);
-  out.setFromTriplets(entries.begin(), entries.end());
-  return out;
+  return assembled<SparseRows>(3 * nm + 6 * nc, 3 * nm + 6 * nc, entries);
 }
 
 /// Noise from within the rests only, where no law and no misfit of the attitude can enter it: an autoregressive model

@@ -1,11 +1,7 @@
 #include "diagnosis/no_reference/nuisances.h"
 
-#include <vector>
-
 namespace stillpoint::diag::detail {
 namespace {
-
-using Triplets = std::vector<Eigen::Triplet<double>>;
 
 /// C^T C, lower half.
 Eigen::MatrixXd squared(const Eigen::MatrixXd& columns) {
@@ -50,9 +46,7 @@ Sparse NuisanceColumns::products() const {
   put(entries, accepted.transpose() * calibration, c + l, 0);
   put(entries, (local.transpose() * accepted).transpose(), c + l, c);
   put(entries, squared(accepted), c + l, c + l);
-  Sparse out(size(), size());
-  out.setFromTriplets(entries.begin(), entries.end());
-  return out;
+  return assembled<Sparse>(size(), size(), entries);
 }
 
 NuisanceColumns NuisanceColumns::under(const SparseRows& rows) const {

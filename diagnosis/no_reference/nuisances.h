@@ -4,11 +4,21 @@
 #include <Eigen/Core>
 #include <Eigen/SparseCholesky>
 #include <Eigen/SparseCore>
+#include <vector>
 
 namespace stillpoint::diag::detail {
 
 using Sparse = Eigen::SparseMatrix<double>;
 using SparseRows = Eigen::SparseMatrix<double, Eigen::RowMajor>;  ///< to select readings or to filter them
+
+using Triplets = std::vector<Eigen::Triplet<double>>;  ///< what stands twice is added
+
+template <class Matrix>
+[[nodiscard]] Matrix assembled(long rows, long columns, const Triplets& entries) {
+  Matrix out(rows, columns);
+  out.setFromTriplets(entries.begin(), entries.end());
+  return out;
+}
 
 /// Rows: readings. In the order of the numbers: the calibration, what is local, what was accepted since.
 struct NuisanceColumns {

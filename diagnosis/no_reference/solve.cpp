@@ -34,14 +34,16 @@ void SelfConsistency::settle() {
   for (int pass = 0;; ++pass) {
     integrate();
     predict();
+    find_turned();
     if (!noise_kept_) find_noise(), whitener_ = whitener();
     expect_closure();
     departures_ = departures();
     N_ = nuisance_columns().under(whitener_);
     y_ = whitener_ * residual();
     doubt_ = std::max(1.0, dispersion());
-    factorise();
-    const Eigen::VectorXd gradient = N_.transposed_times(y_) - information(prior_sd_, doubt_) * x_;
+    const Sparse information = this->information(prior_sd_, doubt_);
+    factorise(information);
+    const Eigen::VectorXd gradient = N_.transposed_times(y_) - information * x_;
     const Eigen::VectorXd step = gram_->solve(gradient);
     const double misfit = 0.5 * (y_.squaredNorm() + doubt_ * surprise(x_));
     const bool stuck = !(misfit < (1.0 - kLeastFall) * before);
@@ -55,8 +57,8 @@ void SelfConsistency::settle() {
   for (const auto& law : accepted_) add_nuisances(whitened(law));
 }
 
-void SelfConsistency::factorise() {
-  gram_ = std::make_shared<const NuisanceSolver>(Sparse(N_.products() + information(prior_sd_, doubt_)));
+void SelfConsistency::factorise(const Sparse& information) {
+  gram_ = std::make_shared<const NuisanceSolver>(Sparse(N_.products() + information));
 }
 
 /// Whole steps where they help, halved where a wrong matrix has turned the attitude so far that they lead away.
@@ -182,7 +184,7 @@ HeldOutGain SelfConsistency::held_out(const std::vector<LawColumn>& law, const E
   const double variance = std::max(1.0, dispersion());
   const double span_s = recording_.t_s(recording_.size() - 1) - recording_.t_s(0);
   const auto folds = std::min<std::size_t>(kMostFolds, static_cast<std::size_t>(span_s / kBlock_s) + 1);
-  std::vector<std::vector<Eigen::Triplet<double>>> rows(folds);
+  std::vector<Triplets> rows(folds);
   for (long i = 0; i < y_.size(); ++i) {
     const auto block = static_cast<std::size_t>((recording_.t_s(row_of(i)) - recording_.t_s(0)) / kBlock_s);
     auto& own = rows[block % folds];
@@ -196,8 +198,7 @@ HeldOutGain SelfConsistency::held_out(const std::vector<LawColumn>& law, const E
   all.beside.diagonal().head(coefficients) *= 1.0 + kFree;
   const double whole = gain_of_law(left_over(all), variance);
   for (const auto& r : rows) {
-    SparseRows own(static_cast<long>(r.size()), y_.size());
-    own.setFromTriplets(r.begin(), r.end());
+    const auto own = assembled<SparseRows>(std::ssize(r), y_.size(), r);
     Normal others = all;
     others.add(Normal(N_.under(own), own * K), -1.0);
     const double nats = whole - gain_of_law(left_over(others), variance);
@@ -216,7 +217,7 @@ void SelfConsistency::add_nuisances(const Eigen::MatrixXd& C) {
   Eigen::VectorXd prior(N_.size());
   prior << prior_sd_, C.colwise().norm().transpose().cwiseInverse() * 1e4;  // next to free
   prior_sd_ = prior;
-  factorise();
+  factorise(information(prior_sd_, doubt_));
 }
 
 void SelfConsistency::accept(const std::vector<LawColumn>& law) {

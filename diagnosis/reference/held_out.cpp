@@ -203,10 +203,8 @@ void share_of(const Judged& j, const Series& floor, Eigen::Index block, HeldOut&
 
 /// Whether half of the blocks do not tell what the sensor reads without the effects: the half of a dozen turns from
 /// pose to pose is no matrix.
-bool halves_go_astray(const SensorSearch& search, const std::vector<std::size_t>& effects, const NoiseModel& noise,
-                      const Judged& halves) {
-  const auto [less, fewer] = without_effects(search, effects);
-  const Eigen::ArrayXd& counts = search.target.layout.counts;
+bool halves_go_astray(const Judged& halves, const Target& less, const Columns& fewer, const NoiseModel& noise) {
+  const Eigen::ArrayXd& counts = less.layout.counts;
   return rms_over(halves.before, counts) > kAstray * rms_over(fit_with(less, fewer, noise, {}).leftover, counts);
 }
 
@@ -222,8 +220,8 @@ Blocks blocks_of(const SensorSearch& search, const std::vector<std::size_t>& eff
   const Target& t = search.target;
   const Folds folds = beside_each_other(t);
   const Judged halves = judge_on(search, effects, noise, folds);
-  if (halves_go_astray(search, effects, noise, halves)) {
-    const auto [less, fewer] = without_effects(search, effects);
+  const auto [less, fewer] = without_effects(search, effects);
+  if (halves_go_astray(halves, less, fewer, noise)) {
     LeftOut with = blocks_left_out(t, search.explained(), noise, folds.block),
             without = blocks_left_out(less, fewer, noise, folds.block);
     return {with.nats - without.nats, std::move(without.residual), std::move(with.residual), false};

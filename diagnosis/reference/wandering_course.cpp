@@ -23,7 +23,7 @@ constexpr double kOneAxis = 0.97;       // of the turning: a mount that gives wa
 constexpr double kSpeaks = 12.0;        // nats for one cause that two sensors see over one of each's own, or none
 constexpr double kLate_s = 0.05, kVaries_s = 0.01;  // a lateness and its slow changes, for their prior
 constexpr int kLateTerms = 5;
-constexpr double kRows = 3000.0;  // fewer than 75 a period would not follow it
+constexpr double kRows = 3000.0;  // a hundred and more in the shortest period
 
 /// What may come from outside of the sensors, as columns with prior deviations of their coefficients: first turns,
 /// cosines of the recording's length about three axes of the body or of the world; last a lateness that varies slowly,
