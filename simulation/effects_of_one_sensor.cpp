@@ -89,10 +89,11 @@ std::vector<Family> of_the_magnetometer() {
           .takes("b_world_uT", "b_w", "uT", 3)
           .takes("t0_s", "t0", "s", 1)
           .in("mag", "M5", 0.5, 50),
-      Family("gradient", "field varies with position", "D = R' G p")
+      Family("gradient", "field varies with position", "D = R' (G p + b)")
           .driven_by("position", "walking, near steel")
           .mistaken_for("mag_field_step, lever arm", "returns when the position returns")
           .takes("G_uT_per_m", "G", "uT/m", 9)
+          .may_take("b_world_uT", "b", "uT", 3, 0.0)
           .in("mag", "M6", 1, 50),
       Family("current", "field of a current", "D = k I")
           .driven_by("current", "motors, charging")

@@ -71,7 +71,7 @@ const std::vector<Entry>& entries() {
       {"mag_field_step", kMag, kAtPlace,
        [](V p, I n) -> Vec3 { return n.t_s > p.scalar(1) ? Vec3(n.R_body_world * p.vec3(0)) : Vec3::Zero(); }},
       {"mag_gradient", kMag, kAtPlace,
-       [](V p, I n) -> Vec3 { return n.R_body_world * (p.mat3(0) * n.motion.position_m); }},
+       [](V p, I n) -> Vec3 { return n.R_body_world * (p.mat3(0) * n.motion.position_m + p.vec3(1)); }},
 
       {"acc_temp_lin", kAcc, kAtElement, [](V p, I n) -> Vec3 { return tau(n) * p.vec3(0); }},
       {"acc_temp_quad", kAcc, kAtElement, offset_quadratic},

@@ -12,6 +12,7 @@
 #include "diagnosis/certainty.h"
 #include "diagnosis/finding_effect.h"
 #include "diagnosis/no_reference/search.h"
+#include "diagnosis/reference/fast_length.h"
 #include "diagnosis/reference/lines.h"
 
 namespace stillpoint::diag::detail {
@@ -153,7 +154,7 @@ Series3 only_rests(const Series3& x, const std::vector<RestWindow>& rest) {
 /// The strongest line of the rests, where it goes on through the motion as large as it was. The rests say roughly
 /// where it is, the whole recording exactly.
 std::optional<Line> strongest(const Readings& readings, const std::vector<RestWindow>& rest, double step_s) {
-  const Eigen::Index n = readings.t_s.size();
+  const Eigen::Index n = fast_length_within(readings.t_s.size());
   const double span_s = step_s * static_cast<double>(n), half_rate_Hz = 0.5 / step_s, half_bin_Hz = 0.5 / span_s;
   std::size_t longest = 0;
   for (const auto& w : rest) longest = std::max(longest, w.last + 1 - w.first);
@@ -162,12 +163,12 @@ std::optional<Line> strongest(const Readings& readings, const std::vector<RestWi
   if (lowest + 2 >= n) return std::nullopt;
   const Series3 about_mean = readings.corrected.rowwise() - readings.corrected.colwise().mean();
   Eigen::Index at = 0;
-  power(only_rests(readings.corrected, rest)).tail(n + 1 - lowest).maxCoeff(&at);
+  power(only_rests(readings.corrected, rest).topRows(n)).tail(n + 1 - lowest).maxCoeff(&at);
   at += lowest;
   const auto reach = static_cast<Eigen::Index>(0.25 / longest_s / half_bin_Hz) + 1;
   const Eigen::Index from = std::max(at - reach, lowest), to = std::min(at + reach, n);
   Eigen::Index exact = 0;
-  power(about_mean).segment(from, to + 1 - from).maxCoeff(&exact);
+  power(about_mean.topRows(n)).segment(from, to + 1 - from).maxCoeff(&exact);
   const double near_Hz = half_bin_Hz * static_cast<double>(from + exact);
   const double f = refined_Hz(about_mean, readings.t_s.matrix(), near_Hz, half_bin_Hz, half_rate_Hz);
   const bool flips = is_flip(f, 1.0 / span_s, half_rate_Hz);

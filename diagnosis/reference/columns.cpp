@@ -69,12 +69,27 @@ Columns size_columns(const Signals& s) {
   return out;
 }
 
-Columns gradient_columns(const Signals& s) {
+Columns linear_in_place(const Signals& s) {
   Columns out;
   for (int row = 0; row < 3; ++row)
     for (int c = 0; c < 3; ++c)
       out.push_back({-1, s.position_m.col(c).asDiagonal() * s.world_axis[static_cast<std::size_t>(row)]});
   return out;
+}
+
+Columns gradient_columns(const Signals& s) {
+  Columns out;
+  for (int j = 0; j < 5; ++j) {
+    const Series3 in_the_world = s.position_m * gradient_of(Eigen::VectorXd::Unit(5, j));
+    out.push_back({-1, in_body(s, in_the_world)});
+  }
+  return joined(std::move(out), world_fixed(s));
+}
+
+Mat3 gradient_of(const Eigen::Ref<const Eigen::VectorXd>& five) {
+  Mat3 G;
+  G << five[0], five[1], five[2], five[1], five[3], five[4], five[2], five[4], -five[0] - five[3];
+  return G;
 }
 
 Series3 at_rest_zero(const Signals& s, Series3 x) {

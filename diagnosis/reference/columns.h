@@ -26,9 +26,13 @@ namespace stillpoint::diag {
 [[nodiscard]] Series3 lever_column(const Signals& s, int j);
 /// The same with arms of its own for every axis: nine coefficients, row-major.
 [[nodiscard]] Columns size_columns(const Signals& s);
-/// R' G p with the nine entries of G free: a measured map need not be free of curl to be a gradient in the catalogue's
-/// sense.
+/// R' K p with nine free entries: any field that is linear in the place.
+[[nodiscard]] Columns linear_in_place(const Signals& s);
+/// R' (G p + b) where no current flows: G is symmetric and its trace is zero. Of G_xx, G_xy, G_xz, G_yy, G_yz, and the
+/// three of b, which is the field at the middle of all places.
 [[nodiscard]] Columns gradient_columns(const Signals& s);
+/// The gradient with these five numbers.
+[[nodiscard]] Mat3 gradient_of(const Eigen::Ref<const Eigen::VectorXd>& five);
 [[nodiscard]] Series3 at_rest_zero(const Signals& s, Series3 x);
 
 }  // namespace stillpoint::diag

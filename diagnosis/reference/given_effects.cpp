@@ -129,6 +129,14 @@ bool subtract_earth(Signals& s, const sim::EffectConfig& e, double latitude_rad)
   return true;
 }
 
+void subtract_gradient(Signals& s, const sim::EffectConfig& e) {
+  const Mat3 G = Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(e.parameters.at("G_uT_per_m").data());
+  const Window w = window_of(e, s);
+  const Vec3 in_the_middle = vec3_of(e, "b_world_uT") + G * s.mean_position_m;
+  const Series3 delta = in_body(s, (s.position_m * G.transpose()).rowwise() + in_the_middle.transpose());
+  s.residual[kMag].middleRows(w.begin, w.end - w.begin) -= delta.middleRows(w.begin, w.end - w.begin);
+}
+
 std::optional<Eigen::VectorXd> timing_values(const sim::EffectConfig& e, double dt_s) {
   if (e.id == "sys_gap") return Eigen::VectorXd::Constant(1, -scalar(e, "n", 0.0) * dt_s);
   if (e.id == "sys_skew") return Eigen::VectorXd::Constant(1, kPpm * scalar(e, "eps_ppm", 0.0));
@@ -159,6 +167,13 @@ void set_coning(const Found& found, const Eigen::VectorXd& values, sim::EffectCo
     e.parameters["p_rad"].push_back(std::atan2(-values[i], values[i + 3]));
   }
   e.parameters["f_hz"] = {found.shape};
+}
+
+/// The catalogue's gradient is about the zero of the positions.
+void set_gradient(const Signals& s, const Eigen::VectorXd& values, sim::EffectConfig& e) {
+  const Mat3 G = gradient_of(values.head(5));
+  e.parameters["G_uT_per_m"] = list(G.reshaped(), 0, 9);
+  e.parameters["b_world_uT"] = list(values.tail(3) - G * s.mean_position_m, 0, 3);
 }
 
 /// The laws whose coefficients are not the catalogue's parameters; false for the others.
@@ -212,8 +227,10 @@ std::optional<sim::EffectConfig> to_effect(const Found& found, const Eigen::Vect
   sim::EffectConfig e;
   e.id = found.id;
   const double begin_s = begin_of_row_s(s, found.window.begin);
-  if (set_by_rule(found, values, s.dt_s, begin_s, e)) return e;
-  if (!set_in_order(found, values, begin_s, *info, e)) return std::nullopt;
+  const bool gradient = found.id == "mag_gradient";
+  if (gradient) set_gradient(s, values, e);
+  if (!gradient && set_by_rule(found, values, s.dt_s, begin_s, e)) return e;
+  if (!gradient && !set_in_order(found, values, begin_s, *info, e)) return std::nullopt;
   // The catalogue's law is about one supply; about another it leaves an offset that no entry holds.
   if (found.window.local && found.id.ends_with("_volt") && found.shape != sim::kReferenceSupply_V) return std::nullopt;
   if (found.window.local) e.window_s = {begin_s, begin_of_row_s(s, found.window.end)};
@@ -232,7 +249,9 @@ std::vector<std::string> subtract_effects(Signals& s, const std::vector<sim::Eff
       if (const auto delta = law_delta(s, k, e)) s.residual[k] -= *delta, done = true;
       const bool mine = e.id.rfind(std::string(kSensorName[k]) + "_", 0) == 0, common = e.id.rfind("sys_", 0) == 0;
       if (!mine && !common) continue;
-      if (e.id == "gyr_earth")
+      if (e.id == "mag_gradient" && s.has_position)
+        subtract_gradient(s, e), done = true;
+      else if (e.id == "gyr_earth")
         done = subtract_earth(s, e, s.latitude_rad) || done;
       else if (subtract_timing(s, k, e) || (mine && (subtract_line(s, k, e) || subtract_linear(s, k, e, tracker))))
         done = true;

@@ -240,8 +240,9 @@ class LawList {
         .extent = Extent::kStep;
     if (s.has_position)
       add(
-          "mag_gradient", [&s](double) { return gradient_columns(s); }, entries("G"), "uT/m", "delta = R' G p",
-          "position");
+          "mag_gradient", [&s](double) { return gradient_columns(s); },
+          {"G_xx", "G_xy", "G_xz", "G_yy", "G_yz", "b_x", "b_y", "b_z"}, "uT/m",
+          "delta = R' (G p + b), G symmetric, its trace 0", "position");
     if (s.current_A.size())
       add(
           "mag_current", [&s](double) { return on_each_axis(s.current_A); }, kPerAxis, "uT/A", "delta = k I",

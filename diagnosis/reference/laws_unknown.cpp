@@ -113,7 +113,7 @@ class Products {
         return coupled({lever_column(s, 0), lever_column(s, 1), lever_column(s, 2)});
       });
     if (sensor_ != kMag) return;
-    add_columns("field(p)", [&s](double) { return gradient_columns(s); });
+    add_columns("field(p)", [&s](double) { return linear_in_place(s); });
     laws_.back().coefficients = entries("k");
   }
 

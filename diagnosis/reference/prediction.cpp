@@ -8,6 +8,7 @@
 
 #include "core/so3.h"
 #include "diagnosis/reference/decimals.h"
+#include "diagnosis/reference/fast_length.h"
 #include "diagnosis/reference/rest.h"
 
 namespace stillpoint::diag {
@@ -127,15 +128,16 @@ Mask near_above(const Series& near, double level) {
 /// As a rotor does: most of what the readings hold beyond the reach of a derivative is at one frequency. Steps and
 /// strokes are fast for a moment, and spread over all.
 bool vibrates(const Signals& s, Sensor k) {
-  Series power = Series::Zero(s.n / 2);
+  const Eigen::Index n = fast_length_within(s.n);
+  Series power = Series::Zero(n / 2);
   Eigen::FFT<double> fft;
   for (int axis = 0; axis < 3; ++axis) {
     Eigen::VectorXcd spectrum;
-    const Series x = s.reading[k].col(axis);
+    const Series x = s.reading[k].col(axis).head(n);
     fft.fwd(spectrum, x);
-    power += spectrum.head(s.n / 2).cwiseAbs2();
+    power += spectrum.head(n / 2).cwiseAbs2();
   }
-  const auto first = static_cast<Eigen::Index>(kUnresolved * static_cast<double>(s.n));
+  const auto first = static_cast<Eigen::Index>(kUnresolved * static_cast<double>(n));
   Eigen::Index peak = 0;
   const double all = power.tail(power.size() - first).sum();
   power.tail(power.size() - first).maxCoeff(&peak);
@@ -192,7 +194,8 @@ struct Motion {
 Motion motion_of(Signals& s, const Turns& q, const Series3& p) {
   Motion m{rate_from(q, s.rows), {}, Series3::Zero(s.n, 3)};
   if (!s.has_position) return m;
-  s.position_m = p.rowwise() - p.colwise().mean();
+  s.mean_position_m = p.colwise().mean();
+  s.position_m = p.rowwise() - s.mean_position_m.transpose();
   m.velocity = derivative(p, s.rows);
   m.acceleration = second_derivative(p, s.rows);
   return m;

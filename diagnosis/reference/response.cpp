@@ -4,6 +4,7 @@
 #include <numbers>
 #include <unsupported/Eigen/FFT>
 
+#include "diagnosis/reference/fast_length.h"
 #include "simulation/filters.h"
 
 namespace stillpoint::diag {
@@ -11,21 +12,11 @@ namespace {
 
 using Complex = std::complex<double>;
 
-/// kissfft is fast on products of 2, 3 and 5 only.
-Eigen::Index smooth_length(Eigen::Index at_least) {
-  for (Eigen::Index n = at_least;; ++n) {
-    Eigen::Index rest = n;
-    for (const Eigen::Index factor : {2, 3, 5})
-      while (rest % factor == 0) rest /= factor;
-    if (rest == 1) return n;
-  }
-}
-
 Complex laplace(double frequency_Hz) { return {0.0, 2.0 * std::numbers::pi * frequency_Hz}; }
 
 Series3 on_even_rows(const Series3& x, double dt_s, const Response& gain) {
   const Eigen::Index n = x.rows();
-  const Eigen::Index half = smooth_length(n);
+  const Eigen::Index half = fast_length_from(n);
   const Eigen::Index length = 2 * half;
   std::vector<Complex> gains(static_cast<std::size_t>(length));
   for (Eigen::Index k = 0; k <= half; ++k) {

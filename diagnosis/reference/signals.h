@@ -54,6 +54,7 @@ struct Signals {
   Series3 rate, rate_dot;             ///< rad/s, rad/s^2
   std::array<Series3, 3> world_axis;  ///< world x, y, z seen from the sensor: the columns of R'
   Series3 position_m;                 ///< in the world, its mean removed
+  Vec3 mean_position_m = Vec3::Zero();
   Series temperature_K, current_A,
       voltage_V;      ///< empty: not recorded. Temperature relative to 25 degC, smoothed over 1 s
   Series3 vibration;  ///< <f_hf^2> of the catalogue, (m/s^2)^2; empty: sampled too slowly, or no vibration there
