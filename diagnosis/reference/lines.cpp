@@ -7,6 +7,7 @@
 #include <unsupported/Eigen/FFT>
 
 #include "diagnosis/reference/columns.h"
+#include "diagnosis/reference/fast_length.h"
 #include "diagnosis/reference/golden_section.h"
 #include "diagnosis/reference/line_evidence.h"
 
@@ -15,15 +16,16 @@ namespace {
 
 constexpr Eigen::Index kBand = 128;      // bins that share one background
 constexpr double kLeastOverMean = 35.0;  // sum of three periodograms over their background: chance 2e-13 a bin
-constexpr double kLowest_Hz = 0.5;       // slower is motion and drift
 constexpr double kOwnPhaseNats = 8.0;    // phases of their own that are worth three numbers more
 constexpr int kRefinements = 24;
 constexpr double kTaper = 0.1;                      // of a stretch, at either end
 constexpr double kOverNear = 0.3 * kLeastOverMean;  // a resonance or the motion itself is broad, a line is not
 constexpr Eigen::Index kNear = 12;                  // bins on either side that say so
-constexpr double kSameLine = 2.0;                   // bins
-constexpr double kSameVibration = 0.1;              // of its frequency
-constexpr double kSpeedsShare = 0.3;                // of its speed, that an engine changes by
+constexpr double kStands = 12.0;                    // over a mean of 3: chance 2e-3 of three bins
+constexpr double kSlowestStep_Hz = 0.4, kFastestStep_Hz = 5.0;
+constexpr double kSameLine = 2.0;       // bins
+constexpr double kSameVibration = 0.1;  // of its frequency
+constexpr double kSpeedsShare = 0.3;    // of its speed, that an engine changes by
 
 /// Rises and falls over the ends: what is slow and strong there would leak over every bin.
 Series tapered_ends(Eigen::Index n) {
@@ -83,10 +85,10 @@ struct Peak {
 };
 
 /// The strongest bin of these rows that stands alone.
-Peak strongest_line(const Series3& left, double step_s) {
+Peak strongest_line(const Series3& left, double step_s, double lowest_Hz) {
   const Series power = over_background(left);
   const double bin_Hz = bin_width_Hz(left.rows(), step_s);
-  const auto lowest = static_cast<Eigen::Index>(std::ceil(kLowest_Hz / bin_Hz));
+  const auto lowest = static_cast<Eigen::Index>(std::ceil(lowest_Hz / bin_Hz));
   Peak best;
   if (power.size() < lowest + kBand) return best;
   for (Eigen::Index at = lowest; at < power.size(); ++at) {
@@ -108,16 +110,16 @@ bool is_of_an_engine(const Peak& peak, const std::vector<Peak>& parts, double bi
 }
 
 /// The sharpest line, if there is one: in the whole, or in a half or a quarter of it that it fills better.
-std::optional<Peak> sharpest(const Series3& left, const Series& t_s, double step_s) {
+std::optional<Peak> sharpest(const Series3& left, const Series& t_s, double step_s, double lowest_Hz) {
   Peak best;
   for (const Eigen::Index parts : {1, 2, 4}) {
-    const Eigen::Index rows = left.rows() / parts, hop = std::max<Eigen::Index>(rows / 2, 1);
+    const Eigen::Index rows = fast_length_within(left.rows() / parts), hop = std::max<Eigen::Index>(rows / 2, 1);
     if (parts > 1 && rows < 4 * kBand) break;
     const double bin_Hz = bin_width_Hz(rows, step_s);
     std::vector<Peak> found;
     for (Eigen::Index first = 0; first + rows <= left.rows(); first += hop) {
       const Series3 part = left.middleRows(first, rows);
-      Peak peak = strongest_line(part, step_s);
+      Peak peak = strongest_line(part, step_s, lowest_Hz);
       if (peak.over_background == 0.0) continue;
       peak.frequency_Hz = refined_Hz(part, t_s.segment(first, rows), peak.frequency_Hz, bin_Hz, 0.5 / step_s);
       found.push_back(peak);
@@ -216,8 +218,21 @@ double refined_Hz(const Series3& x, const Series& t_s, double frequency_Hz, doub
 }
 
 std::optional<double> sharpest_line_Hz(const Series3& left, const Series& t_s, double step_s) {
-  const auto peak = sharpest(left, t_s, step_s);
+  const auto peak = sharpest(left, t_s, step_s, kSlowestLine_Hz);
   return peak ? std::optional(peak->frequency_Hz) : std::nullopt;
+}
+
+bool is_a_harmonic(const Series3& x, double step_s, double frequency_Hz) {
+  const Eigen::Index n = fast_length_within(x.rows());
+  const Series power = over_background(x.topRows(n));
+  const double bin_Hz = bin_width_Hz(n, step_s);
+  const Eigen::Index at = std::lround(frequency_Hz / bin_Hz);
+  const auto stands = [&power](Eigen::Index bin) {
+    return bin > 0 && bin + 1 < power.size() && power.segment(bin - 1, 3).maxCoeff() > kStands;
+  };
+  for (auto step = std::lround(kSlowestStep_Hz / bin_Hz); step < std::lround(kFastestStep_Hz / bin_Hz); ++step)
+    if (stands(at - step) && stands(at - 2 * step) && stands(at - 3 * step)) return true;
+  return false;
 }
 
 std::optional<double> line_in_world(const Signals& s, const SensorSearch& search) {
@@ -236,9 +251,9 @@ void sharpen_line(const SensorSearch& without_it, Found& f) {
   f.units.assign(f.names.size(), f.unit);
 }
 
-std::optional<Found> line_in(const Signals& s, const SensorSearch& search) {
+std::optional<Found> line_in(const Signals& s, const SensorSearch& search, double lowest_Hz) {
   auto [plain, left] = unexplained(search);
-  const auto peak = sharpest(left, search.t_s, plain.rows.step_s);
+  const auto peak = sharpest(left, search.t_s, plain.rows.step_s, lowest_Hz);
   if (!peak) return std::nullopt;
   const double bin_Hz = bin_width_Hz(left.rows(), plain.rows.step_s), half_rate_Hz = 0.5 / plain.rows.step_s;
   double frequency_Hz = peak->frequency_Hz;

@@ -10,9 +10,12 @@
 
 namespace stillpoint::diag {
 
+inline constexpr double kSlowestLine_Hz = 0.5;  ///< slower is motion and drift
+
 /// acc_alias, gyr_alias or gyr_coning, mag_line; mag_flip where the line lies at half the sampling rate;
 /// kBodyVibration where the reference may not see it and another sensor does. The gain is left to the caller.
-[[nodiscard]] std::optional<Found> line_in(const Signals& s, const SensorSearch& search);
+[[nodiscard]] std::optional<Found> line_in(const Signals& s, const SensorSearch& search,
+                                           double lowest_Hz = kSlowestLine_Hz);
 
 /// A line that was found, at the frequency that explains most beside all else that was found since.
 void sharpen_line(const SensorSearch& without_it, Found& line);
@@ -32,6 +35,9 @@ void sharpen_line(const SensorSearch& without_it, Found& line);
 [[nodiscard]] inline bool is_flip(double frequency_Hz, double bin_Hz, double half_rate_Hz) {
   return half_rate_Hz - frequency_Hz < 0.25 * bin_Hz;
 }
+
+/// Whether lines stand at even steps below this one, too: the harmonics of something periodic, such as walking.
+[[nodiscard]] bool is_a_harmonic(const Series3& x, double step_s, double frequency_Hz);
 
 /// Frequency of a line that is sharp in the axes of the world, where the motion does not smear it; needs attitudes.
 [[nodiscard]] std::optional<double> line_in_world(const Signals& s, const SensorSearch& search);

@@ -13,6 +13,7 @@ namespace {
 
 constexpr double kLeastRest_s = 1.0;
 constexpr double kOverStated = 1.3;
+constexpr double kLeast_nats = 10.0;                  // two numbers and the name
 constexpr double kLeast_rad = 1e-5, kLeast_m = 1e-6;  // below is rounding of the file
 
 /// Scatter within rests and its correlation from row to row, three axes together.
@@ -63,6 +64,13 @@ Measured measure(const Signals& s, const io::Recording& r) {
   return out;
 }
 
+/// Nats of n^2 independent samples for this scatter over the stated one.
+double gain_of(double sd, double stated, double n) {
+  if (sd <= stated) return 0.0;
+  const double ratio = std::pow(sd / std::max(stated, 1e-3 * sd), 2);
+  return 0.5 * n * n * (ratio - 1.0 - std::log(ratio));
+}
+
 /// What the simulation says its reference is wrong by: rad, m.
 std::array<double, 2> stated_of(const sim::SimulationConfig& given) {
   std::array<double, 2> square{};
@@ -81,9 +89,8 @@ void find_reference_error(const Signals& s, const io::Recording& recording, cons
   if (m.orientation.count < 300) return;
   const double turn = m.orientation.sd(), place = m.position.sd();
   const auto [stated_rad, stated_m] = stated_of(given);
-  const bool more =
-      turn > std::max(kOverStated * stated_rad, kLeast_rad) || place > std::max(kOverStated * stated_m, kLeast_m);
-  if (!more) return;
+  if (turn <= std::max(kOverStated * stated_rad, kLeast_rad) && place <= std::max(kOverStated * stated_m, kLeast_m))
+    return;
   const double band = m.orientation.band_hz(s.dt_s);
   if (!given.reference.stated) {
     answer.diagnosis.notices.push_back(fmt::format(
@@ -93,6 +100,8 @@ void find_reference_error(const Signals& s, const io::Recording& recording, cons
     return;
   }
   const double n = std::sqrt(m.orientation.count * std::min(1.0, 2.0 * band * s.dt_s));
+  const double gain = gain_of(turn, stated_rad, n) + gain_of(place, stated_m, n);
+  if (gain < kLeast_nats) return;
   const auto interval = [n](double sd) { return std::array{sd * (1.0 - 1.4 / n), sd * (1.0 + 1.4 / n)}; };
   const auto beyond = [](double sd, double stated) { return std::sqrt(std::max(sd * sd - stated * stated, 0.0)); };
   const double rad = beyond(turn, stated_rad), metre = beyond(place, stated_m);
@@ -109,8 +118,7 @@ void find_reference_error(const Signals& s, const io::Recording& recording, cons
   f.held_out.rms_before = f.held_out.rms_after = turn;
   f.held_out.noise_floor = stated_rad;
   f.held_out.unit = "rad";
-  const double ratio = std::pow(turn / std::max(stated_rad, 1e-3 * turn), 2);
-  f.held_out.gain_nats = 0.5 * n * n * (ratio - 1.0 - std::log(ratio));
+  f.held_out.gain_nats = gain;
   f.p_value = chance_of(f.held_out.gain_nats);
   f.runner_up_effect = "a body that trembles";
   f.runner_up_why_rejected = "gyroscope and accelerometer are at rest meanwhile";

@@ -11,6 +11,7 @@
 #include "diagnosis/reference/apparatus.h"
 #include "diagnosis/reference/findings.h"
 #include "diagnosis/reference/given_effects.h"
+#include "diagnosis/reference/lines_in_readings.h"
 #include "diagnosis/reference/surplus.h"
 #include "diagnosis/reference/twins.h"
 #include "diagnosis/summary.h"
@@ -115,6 +116,12 @@ bool enough_to_compare(Signals& s) {
   return any;
 }
 
+/// Of how many rows, `merged` each already, the mean is taken: of more than are needed.
+Eigen::Index thinning_of(const Signals& s, Eigen::Index merged) {
+  const double rows = static_cast<double>(s.n / merged), step_s = s.dt_s * static_cast<double>(merged);
+  return std::max<Eigen::Index>(1, static_cast<Eigen::Index>(std::min(rows / kMostSamples, kFastEnough_s / step_s)));
+}
+
 /// Whoever sees an effect of the whole clock best speaks first.
 std::vector<Sensor> speaking_order(const EngineResult& engine) {
   std::vector<Sensor> order;
@@ -151,14 +158,15 @@ Answer diagnose_with_reference(const ReferencedRows& rows, const sim::Simulation
   compare_noise(s, answer);
   answer.diagnosis.findings = forensics.findings;
   answer.effects = forensics.effects;
+  const Eigen::Index merged = s.exact_reference ? 1 : a_frame;
+  const Eigen::Index factor = thinning_of(s, merged);
+  find_lines_in_readings(s, merged * factor, without, answer);
   if (rows.log == nullptr) find_reference_error(s, recording, simulation, answer);
   // Between its frames a noisy reference knows nothing of its own: the rows of one frame are one.
-  if (a_frame > 1 && !s.exact_reference) s = thinned(s, a_frame);
+  if (merged > 1) s = thinned(s, merged);
   find_frame(s, simulation, answer);
   take_out_wandering(s, answer);
   find_jitter(s, simulation, answer);
-  const auto factor =
-      static_cast<Eigen::Index>(std::floor(std::min(static_cast<double>(s.n) / kMostSamples, kFastEnough_s / s.dt_s)));
   if (factor > 1) s = thinned(s, factor);
   EngineResult engine = search_all(s, without, progress);
   if (twins > 0)
