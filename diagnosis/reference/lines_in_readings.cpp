@@ -13,7 +13,7 @@
 namespace stillpoint::diag {
 namespace {
 
-constexpr std::size_t kMostLines = 2;   // of one sensor: a steady step has more harmonics
+constexpr std::size_t kMostLines = 2;   // of one sensor
 constexpr double kOfHalfRate = 0.8;     // of merged rows: what is slower they show as well
 constexpr double kBeyondMotion = 1.25;  // times its band: where the motion ends that the sensor sees
 constexpr double kHigher = 1.25;
