@@ -47,6 +47,11 @@ Window window_of(const sim::EffectConfig& e, const Signals& s) {
   return w;
 }
 
+void subtract_in_window(Signals& s, Sensor k, const sim::EffectConfig& e, const Series3& delta) {
+  const Window w = window_of(e, s);
+  s.residual[k].middleRows(w.begin, w.end - w.begin) -= delta.middleRows(w.begin, w.end - w.begin);
+}
+
 /// The values of an entry in the order of the law's coefficients; empty when they do not fit it.
 std::vector<double> values_for(const Law& law, const sim::EffectConfig& e) {
   const sim::EffectInfo* info = sim::find_effect(e.id);
@@ -117,8 +122,7 @@ bool subtract_line(Signals& s, Sensor k, const sim::EffectConfig& e) {
                                     : a * std::sin(turn * t + scalar(e, "phase_rad", 0.0));
       delta(i, axis) = acts_on(e, axis) ? value : 0.0;
     }
-  const Window w = window_of(e, s);
-  s.residual[k].middleRows(w.begin, w.end - w.begin) -= delta.middleRows(w.begin, w.end - w.begin);
+  subtract_in_window(s, k, e, delta);
   return true;
 }
 
@@ -131,10 +135,9 @@ bool subtract_earth(Signals& s, const sim::EffectConfig& e, double latitude_rad)
 
 void subtract_gradient(Signals& s, const sim::EffectConfig& e) {
   const Mat3 G = Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(e.parameters.at("G_uT_per_m").data());
-  const Window w = window_of(e, s);
   const Vec3 in_the_middle = vec3_of(e, "b_world_uT") + G * s.mean_position_m;
   const Series3 delta = in_body(s, (s.position_m * G.transpose()).rowwise() + in_the_middle.transpose());
-  s.residual[kMag].middleRows(w.begin, w.end - w.begin) -= delta.middleRows(w.begin, w.end - w.begin);
+  subtract_in_window(s, kMag, e, delta);
 }
 
 std::optional<Eigen::VectorXd> timing_values(const sim::EffectConfig& e, double dt_s) {
@@ -227,10 +230,12 @@ std::optional<sim::EffectConfig> to_effect(const Found& found, const Eigen::Vect
   sim::EffectConfig e;
   e.id = found.id;
   const double begin_s = begin_of_row_s(s, found.window.begin);
-  const bool gradient = found.id == "mag_gradient";
-  if (gradient) set_gradient(s, values, e);
-  if (!gradient && set_by_rule(found, values, s.dt_s, begin_s, e)) return e;
-  if (!gradient && !set_in_order(found, values, begin_s, *info, e)) return std::nullopt;
+  if (found.id == "mag_gradient")
+    set_gradient(s, values, e);
+  else if (set_by_rule(found, values, s.dt_s, begin_s, e))
+    return e;
+  else if (!set_in_order(found, values, begin_s, *info, e))
+    return std::nullopt;
   // The catalogue's law is about one supply; about another it leaves an offset that no entry holds.
   if (found.window.local && found.id.ends_with("_volt") && found.shape != sim::kReferenceSupply_V) return std::nullopt;
   if (found.window.local) e.window_s = {begin_s, begin_of_row_s(s, found.window.end)};

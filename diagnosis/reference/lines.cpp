@@ -16,6 +16,7 @@ namespace {
 
 constexpr Eigen::Index kBand = 128;      // bins that share one background
 constexpr double kLeastOverMean = 35.0;  // sum of three periodograms over their background: chance 2e-13 a bin
+constexpr double kSlowestLine_Hz = 0.5;  // slower is motion and drift
 constexpr double kOwnPhaseNats = 8.0;    // phases of their own that are worth three numbers more
 constexpr int kRefinements = 24;
 constexpr double kTaper = 0.1;                      // of a stretch, at either end
@@ -210,6 +211,40 @@ Found line(const SensorSearch& search, const Window& window, const Swing& swing)
   return f;
 }
 
+/// The sharpest line of what is left, from this frequency on.
+std::optional<Found> line_left(const Signals& s, const SensorSearch& search, Unexplained what, double lowest_Hz) {
+  auto& [plain, left] = what;
+  const auto peak = sharpest(left, search.t_s, plain.rows.step_s, lowest_Hz);
+  if (!peak) return std::nullopt;
+  const double bin_Hz = bin_width_Hz(left.rows(), plain.rows.step_s), half_rate_Hz = 0.5 / plain.rows.step_s;
+  double frequency_Hz = peak->frequency_Hz;
+  const Window window = stretch_of_line(left, plain.layout, search.t_s, frequency_Hz, plain.rows.step_s);
+  if (window.local) {
+    left.topRows(window.begin).setZero(), left.bottomRows(left.rows() - window.end).setZero();
+    frequency_Hz = refined_Hz(left, search.t_s, frequency_Hz, bin_Hz, half_rate_Hz);
+  }
+  if (!s.exact_reference && !stands_in_reading(s, plain.sensor, left, window, frequency_Hz)) return std::nullopt;
+  Found f;
+  if (is_flip(frequency_Hz, bin_Hz, half_rate_Hz)) {
+    if (plain.sensor != kMag) return std::nullopt;
+    f = flip(plain);
+  } else {
+    f = line(search, window,
+             sharpened(search, window, frequency_Hz, deviation_Hz(peak->over_background, window, plain)));
+  }
+  f.kind = Kind::kNamed;
+  // What is left of a vibration that swells and turns with the body stands beside it.
+  const bool beside = std::any_of(search.found.begin(), search.found.end(), [frequency_Hz](const Found& told) {
+    return told.id == kBodyVibration && std::abs(told.shape - frequency_Hz) < kSameVibration * frequency_Hz;
+  });
+  if (!s.exact_reference && (beside || others_swing_too(s, plain.sensor, window, frequency_Hz))) {
+    f.kind = Kind::kConfiguration;
+    f.id = kBodyVibration;
+  }
+  f.units.assign(f.names.size(), f.unit);
+  return f;
+}
+
 }  // namespace
 
 double refined_Hz(const Series3& x, const Series& t_s, double frequency_Hz, double bin_Hz, double half_rate_Hz) {
@@ -251,37 +286,16 @@ void sharpen_line(const SensorSearch& without_it, Found& f) {
   f.units.assign(f.names.size(), f.unit);
 }
 
-std::optional<Found> line_in(const Signals& s, const SensorSearch& search, double lowest_Hz) {
-  auto [plain, left] = unexplained(search);
-  const auto peak = sharpest(left, search.t_s, plain.rows.step_s, lowest_Hz);
-  if (!peak) return std::nullopt;
-  const double bin_Hz = bin_width_Hz(left.rows(), plain.rows.step_s), half_rate_Hz = 0.5 / plain.rows.step_s;
-  double frequency_Hz = peak->frequency_Hz;
-  const Window window = stretch_of_line(left, plain.layout, search.t_s, frequency_Hz, plain.rows.step_s);
-  if (window.local) {
-    left.topRows(window.begin).setZero(), left.bottomRows(left.rows() - window.end).setZero();
-    frequency_Hz = refined_Hz(left, search.t_s, frequency_Hz, bin_Hz, half_rate_Hz);
-  }
-  if (!s.exact_reference && !stands_in_reading(s, plain.sensor, left, window, frequency_Hz)) return std::nullopt;
-  Found f;
-  if (is_flip(frequency_Hz, bin_Hz, half_rate_Hz)) {
-    if (plain.sensor != kMag) return std::nullopt;
-    f = flip(plain);
-  } else {
-    f = line(search, window,
-             sharpened(search, window, frequency_Hz, deviation_Hz(peak->over_background, window, plain)));
-  }
-  f.kind = Kind::kNamed;
-  // What is left of a vibration that swells and turns with the body stands beside it.
-  const bool beside = std::any_of(search.found.begin(), search.found.end(), [frequency_Hz](const Found& told) {
-    return told.id == kBodyVibration && std::abs(told.shape - frequency_Hz) < kSameVibration * frequency_Hz;
-  });
-  if (!s.exact_reference && (beside || others_swing_too(s, plain.sensor, window, frequency_Hz))) {
-    f.kind = Kind::kConfiguration;
-    f.id = kBodyVibration;
-  }
-  f.units.assign(f.names.size(), f.unit);
-  return f;
+std::optional<Found> line_in(const Signals& s, const SensorSearch& search) {
+  return line_left(s, search, unexplained(search), kSlowestLine_Hz);
+}
+
+std::optional<Found> line_beyond(const Signals& s, const SensorSearch& search, double lowest_Hz) {
+  constexpr double kHigher = 1.25;
+  const Unexplained what = unexplained(search);
+  for (; lowest_Hz < 0.5 / s.dt_s; lowest_Hz *= kHigher)
+    if (auto line = line_left(s, search, what, lowest_Hz)) return line;
+  return std::nullopt;
 }
 
 }  // namespace stillpoint::diag

@@ -10,12 +10,12 @@
 
 namespace stillpoint::diag {
 
-inline constexpr double kSlowestLine_Hz = 0.5;  ///< slower is motion and drift
-
 /// acc_alias, gyr_alias or gyr_coning, mag_line; mag_flip where the line lies at half the sampling rate;
 /// kBodyVibration where the reference may not see it and another sensor does. The gain is left to the caller.
-[[nodiscard]] std::optional<Found> line_in(const Signals& s, const SensorSearch& search,
-                                           double lowest_Hz = kSlowestLine_Hz);
+[[nodiscard]] std::optional<Found> line_in(const Signals& s, const SensorSearch& search);
+
+/// The same from a frequency on; where motion hides whose the sharpest is, the sharpest beyond a higher one.
+[[nodiscard]] std::optional<Found> line_beyond(const Signals& s, const SensorSearch& search, double lowest_Hz);
 
 /// A line that was found, at the frequency that explains most beside all else that was found since.
 void sharpen_line(const SensorSearch& without_it, Found& line);

@@ -16,7 +16,6 @@ namespace {
 constexpr std::size_t kMostLines = 2;   // of one sensor
 constexpr double kOfHalfRate = 0.8;     // of merged rows: what is slower they show as well
 constexpr double kBeyondMotion = 1.25;  // times its band: where the motion ends that the sensor sees
-constexpr double kHigher = 1.25;
 
 /// From which frequency on the readings of a sensor know more than the residuals that are searched later.
 std::optional<double> lowest_Hz(const Signals& s, Sensor k, Eigen::Index rows_merged) {
@@ -31,13 +30,6 @@ Series3 beyond_motion(const Signals& s, Sensor k) {
   return reading - apply_response(reading, s.rows, low_pass(s.band_hz[k]));
 }
 
-/// The sharpest line beyond a frequency; where motion hides whose it is, the sharpest beyond a higher one.
-std::optional<Found> next_line(const Signals& s, const SensorSearch& search, double lowest) {
-  for (; lowest < 0.5 / s.dt_s; lowest *= kHigher)
-    if (auto line = line_in(s, search, lowest)) return line;
-  return std::nullopt;
-}
-
 SensorSearch lines_of(const Signals& s, Sensor k, double lowest, const std::vector<std::string>& without) {
   SensorSearch search;
   search.sensor = k;
@@ -45,7 +37,7 @@ SensorSearch lines_of(const Signals& s, Sensor k, double lowest, const std::vect
   search.t_s = s.t_s;
   if (vector_is_reading(s, k)) search.target.residual = beyond_motion(s, k);
   while (search.found.size() < kMostLines) {
-    auto line = next_line(s, search, lowest);
+    auto line = line_beyond(s, search, lowest);
     if (!line || std::find(without.begin(), without.end(), line->id) != without.end()) return search;
     if (is_a_harmonic(s.reading[k], s.dt_s, line->shape)) return search;
     Judge(search).weigh(*line);
