@@ -212,8 +212,9 @@ Found line(const SensorSearch& search, const Window& window, const Swing& swing)
 }
 
 /// The sharpest line of what is left, from this frequency on.
-std::optional<Found> line_left(const Signals& s, const SensorSearch& search, Unexplained what, double lowest_Hz) {
-  auto& [plain, left] = what;
+std::optional<Found> line_left(const Signals& s, const SensorSearch& search, const Unexplained& what,
+                               double lowest_Hz) {
+  auto [plain, left] = what;
   const auto peak = sharpest(left, search.t_s, plain.rows.step_s, lowest_Hz);
   if (!peak) return std::nullopt;
   const double bin_Hz = bin_width_Hz(left.rows(), plain.rows.step_s), half_rate_Hz = 0.5 / plain.rows.step_s;
