@@ -11,6 +11,7 @@
 #include "diagnosis/reference/evidence.h"
 #include "diagnosis/reference/judge.h"
 #include "diagnosis/reference/lines.h"
+#include "diagnosis/reference/sensors_at_once.h"
 #include "diagnosis/reference/separable.h"
 #include "diagnosis/reference/wandering_reference.h"
 
@@ -90,8 +91,7 @@ bool is_determined(const Fit& fit, const Found& law) {
 
 /// Whether beside it the numbers that were there before become others: one that was found does several times as much,
 /// or the matrix is another sensor's. Each takes back what the other does, in a motion in which they are nearly one.
-bool moves_the_others(const SensorSearch& search, const Fit& beside) {
-  const Fit before = fit_profile(search.beside_walk(), search.explained());
+bool moves_the_others(const SensorSearch& search, const Fit& before, const Fit& beside) {
   const auto matrix_of = [](const Fit& fit) {
     return Eigen::Map<const Eigen::Matrix<double, 4, 3>>(fit.nuisance.data()).bottomRows<3>().cwiseAbs().maxCoeff();
   };
@@ -110,12 +110,12 @@ bool moves_the_others(const SensorSearch& search, const Fit& beside) {
 /// motion hardly tells from it, took back what it does.
 bool leaves_more(const HeldOut& h) { return !predicts(h) || h.rms_after > kLeaves * h.rms_before; }
 
-/// What would not be stated must not stand in the place of what would.
-bool may_be_stated(const Signals& s, const SensorSearch& search, const Found& law) {
-  if (!is_separable(s, search.sensor, law.columns) || !varies(search, law)) return false;
-  if (const Fit beside = fit_beside(search, law); !is_determined(beside, law) || moves_the_others(search, beside))
-    return false;
-  const bool may_be_the_camera = search.sensor == kMag || as_small_as_wandering(s, search, law);
+/// What would not be stated must not stand in the place of what would. `before`: the fit without it.
+bool may_be_stated(const Signals& s, const SensorSearch& search, const Found& law, const Fit& before,
+                   const Fit& beside) {
+  if (!is_separable(s, search.sensor, law.columns) || !varies(search, law, beside)) return false;
+  if (!is_determined(beside, law) || moves_the_others(search, before, beside)) return false;
+  const bool may_be_the_camera = search.sensor == kMag || as_small_as_wandering(s, search, law, beside);
   if (may_be_the_camera && !stands_beside_wandering(s, search, law)) return false;
   SensorSearch with = search;
   with.found.push_back(law);
@@ -131,20 +131,20 @@ bool is_a_delay_again(const SensorSearch& search, const Term& t) {
 }
 
 /// By the noise model and by the scatter of the seconds.
-double sure_gain(const SensorSearch& search, const Found& law) {
-  return std::min(law.gain_nats, robust_nats(search, law));
+double sure_gain(const SensorSearch& search, const Found& law, const Fit& beside) {
+  return std::min(law.gain_nats, robust_nats(search, law, beside));
 }
 
 /// Of its factors the first ones alone, where they explain as much: one that hardly varies here, such as gravity at
 /// rest, is nothing that was seen to matter.
 const Term* without_idle_factors(const Signals& s, const SensorSearch& search, const std::vector<Term>& terms,
-                                 const Term* chosen) {
+                                 const Term* chosen, const Fit& before) {
   const Term& whole = *chosen;
   for (const Term& t : terms) {
     const bool part =
         whole.found.id.starts_with(t.found.id + " * ") && t.found.columns.size() <= whole.found.columns.size();
     if (part && t.bits < chosen->bits && t.found.net_nats > whole.found.net_nats - kAlikeLeast &&
-        may_be_stated(s, search, t.found))
+        may_be_stated(s, search, t.found, before, fit_beside(search, t.found)))
       chosen = &t;
   }
   return chosen;
@@ -154,17 +154,19 @@ const Term* without_idle_factors(const Signals& s, const SensorSearch& search, c
 /// fewest numbers, which is the surer one on another motion. nullptr: none.
 const Term* choose(const Signals& s, const SensorSearch& search, const std::vector<Term>& terms, double least_gain) {
   const Term* chosen = nullptr;
+  const Fit before = fit_profile(search.beside_walk(), search.explained());
   double least = terms.empty() ? 0.0 : kOfTheBest * terms.front().found.net_nats;
   for (const Term& t : terms) {
     if (t.found.net_nats < least) break;
     if (is_a_delay_again(search, t)) continue;
     if (chosen && t.found.columns.size() >= chosen->found.columns.size()) continue;
-    if (sure_gain(search, t.found) < least_gain) continue;
-    if (!may_be_stated(s, search, t.found)) continue;
+    const Fit beside = fit_beside(search, t.found);
+    if (sure_gain(search, t.found, beside) < least_gain) continue;
+    if (!may_be_stated(s, search, t.found, before, beside)) continue;
     if (!chosen) least = t.found.net_nats - std::clamp(kAlikeShare * t.found.gain_nats, kAlikeLeast, kAlikeMost);
     chosen = &t;
   }
-  return chosen ? without_idle_factors(s, search, terms, chosen) : nullptr;
+  return chosen ? without_idle_factors(s, search, terms, chosen, before) : nullptr;
 }
 
 /// Terms one after another, as long as each pays for itself; the first may have to begin at an event.
@@ -182,7 +184,7 @@ std::optional<Discovered> terms_beside(const Signals& s, LawSearch& laws, Sensor
       for (const Term& r : terms) f.rivals.push_back({r.found.id, {}, r.found.gain_nats, r.found.net_nats});
       with.found.push_back(std::move(f));
     }
-    if (round == 0) first = sure_gain(out.search, t.found);
+    if (round == 0) first = sure_gain(out.search, t.found, fit_beside(out.search, t.found));
     out.search = std::move(with);
     out.bits += t.bits;
     out.gain += t.found.gain_nats;
@@ -252,8 +254,10 @@ void discover_in(const Signals& s, SensorSearch& sensor) {
 }  // namespace
 
 void discover(const Signals& s, EngineResult& engine) {
-  for (auto& sensor : engine.sensor)
+  sensors_at_once(s, [&](Sensor k) {
+    auto& sensor = engine.sensor[k];
     if (sensor && sensor->target.layout.used() > 200) discover_in(s, *sensor);
+  });
 }
 
 }  // namespace stillpoint::diag

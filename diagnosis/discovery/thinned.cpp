@@ -33,7 +33,7 @@ Thin::Thin(const Signals& full, const SensorSearch& base, Eigen::Index factor, b
   white.layout.order = 0;
   noises.reserve(3), all.reserve(3);
   noises.emplace_back(null.layout, fit_profile(null, explained).leftover);
-  noises.push_back(scan_noise(target, explained, walk_basis(s)));
+  noises.push_back(scan_noise(target, explained, *walk_basis(s)));
   const NoiseModel level(white.layout, white.residual);
   noises.emplace_back(white.layout, fit_with(white, explained, level, {}).leftover);
   all.emplace_back(null, explained, noises[0]);

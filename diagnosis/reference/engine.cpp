@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "diagnosis/reference/evidence.h"
+#include "diagnosis/reference/sensors_at_once.h"
 #include "diagnosis/reference/settled_matrices.h"
 #include "diagnosis/reference/timing_in_window.h"
 
@@ -135,13 +136,12 @@ Search begin(const Signals& s, const std::vector<std::string>& without) {
 }
 
 /// The next effect of each sensor.
-void one_round(const Signals& s, Search& search, const std::function<void(double)>& progress) {
+void one_round(const Signals& s, Search& search) {
   EngineResult& r = search.result;
   std::array<std::optional<Found>, kSensors> next;
-  for (const Sensor k : {kAcc, kGyr, kMag}) {
-    if (progress) progress(static_cast<int>(k) / 3.0);
+  sensors_at_once(s, [&](Sensor k) {
     if (search.open[k]) next[k] = next_effect(s, *r.sensor[k]);
-  }
+  });
   // The sensor that sees a clock effect best speaks for it.
   int lead = -1;
   for (int k = 0; k < kSensors; ++k)
@@ -176,9 +176,9 @@ EngineResult search_all(Signals& s, const std::vector<std::string>& without,
   Search search = begin(s, without);
   int round = 0, settled = 0;
   double done = 0.0;  // what begins anew is not done again
-  const auto so_far = [&](double share) { progress(done = std::max(done, (round + share) / kMostEffects)); };
   while (round < kMostEffects) {
-    one_round(s, search, progress ? std::function<void(double)>(so_far) : progress);
+    if (progress) progress(done = std::max(done, static_cast<double>(round) / kMostEffects));
+    one_round(s, search);
     ++round;
     if (settled == kMostSettlings || !settle_matrices(s, search.result)) continue;
     ++settled;

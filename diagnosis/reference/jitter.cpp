@@ -31,7 +31,7 @@ struct Rows {
 
 /// The residual without what a bias, a matrix, a delay and smooth curves explain.
 Series3 rough(const Signals& s, Sensor k, const Series3& slope) {
-  const Eigen::MatrixXd walk = walk_basis(s);
+  const Eigen::MatrixXd walk = *walk_basis(s);
   const Series3& v = s.vector[k];
   Eigen::MatrixXd design(s.n, 10 + std::min<Eigen::Index>(walk.cols(), 16));
   design << Eigen::VectorXd::Ones(s.n), v, slope, v.cwiseAbs2(), walk.leftCols(std::min<Eigen::Index>(walk.cols(), 16));

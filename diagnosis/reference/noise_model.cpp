@@ -154,33 +154,37 @@ NoiseModel::NoiseModel(const Layout& layout, const Series3& leftover) : inverse_
         const double prior = static_cast<double>(layout.block);
         const double variance = (e.segment(b, length).square().sum() + prior * typical) / (here + prior);
         inverse_scale_.col(axis).segment(b, length).setConstant(1.0 / std::sqrt(variance));
+        log_scale_sum_ -= 0.5 * std::log(variance) * here;
       }
     }
-    log_scale_sum_ += (inverse_scale_.col(axis).array().log() * layout.counts).sum();
   }
 }
 
-Series NoiseModel::filter(const Layout& layout, const Series& x, int axis) const {
+Series NoiseModel::filter(const Layout& layout, const Eigen::Ref<const Series>& x, int axis) const {
   constexpr Eigen::Index kAtOnce = 8;  // so many sums stay in registers
-  Series out = x;
+  Series out(x.size());
   for (const Segment& g : layout.segments) {
     const Eigen::VectorXd& a = coefficients_[static_cast<std::size_t>(g.regime)][static_cast<std::size_t>(axis)];
+    const auto one = [&](Eigen::Index i, Eigen::Index memory) {
+      out[i] = x[i];
+      for (Eigen::Index j = 0; j < memory; ++j) out[i] -= a[j] * x[i - j - 1];
+    };
     Eigen::Index i = g.begin;
-    for (; i < std::min(g.begin + a.size(), g.end); ++i)  // the memory does not reach before the segment
-      for (Eigen::Index j = 0; j < i - g.begin; ++j) out[i] -= a[j] * x[i - j - 1];
+    for (; i < std::min(g.begin + a.size(), g.end); ++i) one(i, i - g.begin);  // it does not reach before the segment
     for (; i + kAtOnce <= g.end; i += kAtOnce) {
       Eigen::Array<double, kAtOnce, 1> sum = x.segment<kAtOnce>(i);
       for (Eigen::Index j = 0; j < a.size(); ++j) sum -= a[j] * x.segment<kAtOnce>(i - j - 1).array();
       out.segment<kAtOnce>(i) = sum;
     }
-    for (; i < g.end; ++i)
-      for (Eigen::Index j = 0; j < a.size(); ++j) out[i] -= a[j] * x[i - j - 1];
+    for (; i < g.end; ++i) one(i, a.size());
   }
   return out;
 }
 
-Series NoiseModel::whiten(const Layout& layout, const Series& x, int axis) const {
-  return filter(layout, x, axis).cwiseProduct(scale(layout, axis));
+Series NoiseModel::whiten(const Layout& layout, const Eigen::Ref<const Series>& x, int axis) const {
+  Series out = filter(layout, x, axis);
+  out.array() *= inverse_scale_.col(axis).array() * layout.counts;
+  return out;
 }
 
 Series NoiseModel::coloured(const Layout& layout, const Series& white, int axis) const {

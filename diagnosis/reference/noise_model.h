@@ -41,7 +41,7 @@ class NoiseModel {
   NoiseModel(const Layout& layout, const Series3& leftover);
 
   /// Applies the filter and the scale of one axis; samples that do not count become 0.
-  [[nodiscard]] Series whiten(const Layout& layout, const Series& x, int axis) const;
+  [[nodiscard]] Series whiten(const Layout& layout, const Eigen::Ref<const Series>& x, int axis) const;
   /// What `whiten` multiplies the filtered samples of one axis with: 0 where they do not count.
   /// An expression: it lives as long as the layout and this.
   [[nodiscard]] auto scale(const Layout& layout, int axis) const {
@@ -63,7 +63,7 @@ class NoiseModel {
   [[nodiscard]] double innovation_sd(int axis) const { return innovation_sd_[static_cast<std::size_t>(axis)]; }
 
  private:
-  [[nodiscard]] Series filter(const Layout& layout, const Series& x, int axis) const;
+  [[nodiscard]] Series filter(const Layout& layout, const Eigen::Ref<const Series>& x, int axis) const;
   std::array<std::array<Eigen::VectorXd, 3>, 2> coefficients_;  ///< [regime][axis]
   std::array<std::array<double, 3>, 2> variance_{};             ///< of the innovations, [regime][axis]
   Series3 inverse_scale_;

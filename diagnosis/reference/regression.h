@@ -1,6 +1,7 @@
 /// Generalised least squares of one sensor's residual on the candidate physics, with a new bias and matrix fitted
 /// beside it always, and a random walk where the recording needs one.
 #pragma once
+#include <memory>
 #include <optional>
 #include <vector>
 
@@ -16,10 +17,10 @@ struct Column {
 };
 using Columns = std::vector<Column>;
 
-/// The column as it shows in one axis; empty where it does not.
-[[nodiscard]] inline std::optional<Series> shown_in(const Column& c, int axis) {
+/// The column as it shows in one axis, no copy; empty where it does not.
+[[nodiscard]] inline std::optional<Eigen::Map<const Series>> shown_in(const Column& c, int axis) {
   if (c.axis >= 0 && c.axis != axis) return std::nullopt;
-  return Series(c.axis >= 0 ? c.x.col(0) : c.x.col(axis));
+  return Eigen::Map<const Series>(c.x.col(c.axis >= 0 ? 0 : axis).data(), c.x.rows());
 }
 
 /// What the columns do with these coefficients, in all three axes (n x 3).
@@ -30,21 +31,25 @@ using Columns = std::vector<Column>;
   return a;
 }
 
+/// n x K cosines of a random walk on the recording's length; of megabytes, so every target of a search has the same.
+using WalkBasis = std::shared_ptr<const Eigen::MatrixXd>;
+
 /// One sensor's side of the problem, the same for every hypothesis.
 struct Target {
   Sensor sensor = kAcc;
   Layout layout;
   Series3 residual;
   Eigen::MatrixXd nuisance;  ///< n x 4: one and the true vector; each axis has its own four coefficients
-  Eigen::MatrixXd walk;      ///< n x K cosines of a random walk on the recording's length; empty: not allowed
+  WalkBasis walk;            ///< nullptr: none is allowed
   double duration_s = 0.0;
   RowTimes rows;
+  [[nodiscard]] Eigen::Index walk_terms() const { return walk ? walk->cols() : 0; }
 };
 
 [[nodiscard]] Target make_target(const Signals& s, Sensor sensor);
 /// cos(k pi t / T), k = 1..K, down to about the given period.
-[[nodiscard]] Eigen::MatrixXd walk_basis(const Series& t_s, double duration_s, double shortest_period_s);
-[[nodiscard]] inline Eigen::MatrixXd walk_basis(const Signals& s, double shortest_period_s = 8.0) {
+[[nodiscard]] WalkBasis walk_basis(const Series& t_s, double duration_s, double shortest_period_s);
+[[nodiscard]] inline WalkBasis walk_basis(const Signals& s, double shortest_period_s = 8.0) {
   return walk_basis(s.t_s, s.duration_s(), shortest_period_s);
 }
 

@@ -144,12 +144,13 @@ std::optional<Found> chosen(const Signals& s, const SensorSearch& search, const 
     if (!pays(s, search, *best)) return std::nullopt;
     if (!possible(s, search, *best)) return std::nullopt;  // what comes next would take the same misfit's place
     if (!leaves_less(search, *best)) return std::nullopt;
-    if (robust_nats(search, *best) < charge(best->names.size(), best->window)) return std::nullopt;
-    if (is_unknown(best->id) && !varies(search, *best)) return std::nullopt;
+    const Fit beside = fit_beside(search, *best);
+    if (robust_nats(search, *best, beside) < charge(best->names.size(), best->window)) return std::nullopt;
+    if (is_unknown(best->id) && !varies(search, *best, beside)) return std::nullopt;
     // Half a milliradian of a camera's calibration is as large as a good magnetometer's noise, and turns gravity by
     // more than temperature moves a good accelerometer: no name is stated of it.
     const bool may_be_the_camera = search.sensor == kMag || (is_unknown(best->id) && !best->window.local) ||
-                                   (search.sensor == kAcc && as_small_as_wandering(s, search, *best));
+                                   (search.sensor == kAcc && as_small_as_wandering(s, search, *best, beside));
     if (may_be_the_camera && !stands_beside_wandering(s, search, *best)) return std::nullopt;
     best = against_the_unrecorded(s, search, judge, std::move(*best));
     if (best) return best;
@@ -174,18 +175,6 @@ Columns SensorSearch::explained() const {
 
 bool SensorSearch::has_unknown() const {
   return std::any_of(found.begin(), found.end(), [](const Found& f) { return f.kind == Kind::kUnknown; });
-}
-
-double robust_nats(const SensorSearch& search, const Found& law) {
-  if (law.offset.size() || law.columns.empty()) return law.gain_nats;
-  const Target t = search.beside_walk();
-  const Columns columns = joined(search.explained(), law.columns);
-  const Fit fit = fit_profile(t, columns);
-  const Eigen::MatrixXd all = robust_covariance(t, columns, NoiseModel(t.layout, fit.leftover), fit.walk_q);
-  if (all.size() == 0) return law.gain_nats;
-  const auto p = static_cast<Eigen::Index>(law.columns.size());
-  const Eigen::VectorXd theta = fit.theta.tail(p);
-  return std::min(law.gain_nats, 0.5 * theta.dot(all.bottomRightCorner(p, p).ldlt().solve(theta)));
 }
 
 double charge(std::size_t coefficients, const Window& window) {
@@ -214,7 +203,7 @@ SensorSearch start_search(const Signals& s, Sensor sensor, const std::vector<std
 std::optional<Found> next_effect(const Signals& s, SensorSearch& search) {
   const Columns explained = search.explained();
   const Judge judge(search);
-  const NoiseModel noise = scan_noise(judge.without_walk(), explained, search.walk);
+  const NoiseModel noise = scan_noise(judge.without_walk(), explained, *search.walk);
   const std::vector<Candidate> shortlist = short_list(search, judge, noise);
 
   const bool responded = responds(search);
@@ -275,10 +264,20 @@ Fit fit_beside(const SensorSearch& search, const Found& law) {
   return fit_profile(search.beside_walk(), joined(search.explained(), law.columns));
 }
 
-Series3 effect_of(const SensorSearch& search, const Found& law) {
-  const Fit fit = fit_beside(search, law);
+Series3 effect_of(const Found& law, const Fit& beside) {
+  const Eigen::VectorXd theta = beside.theta.tail(static_cast<Eigen::Index>(law.columns.size()));
+  return contribution_of(law.columns, theta, beside.leftover.rows());
+}
+
+double robust_nats(const SensorSearch& search, const Found& law, const Fit& beside) {
+  if (law.offset.size() || law.columns.empty()) return law.gain_nats;
+  const Target t = search.beside_walk();
+  const Columns columns = joined(search.explained(), law.columns);
+  const Eigen::MatrixXd all = robust_covariance(t, columns, NoiseModel(t.layout, beside.leftover), beside.walk_q);
+  if (all.size() == 0) return law.gain_nats;
   const auto p = static_cast<Eigen::Index>(law.columns.size());
-  return contribution_of(law.columns, Eigen::VectorXd(fit.theta.tail(p)), search.target.layout.n);
+  const Eigen::VectorXd theta = beside.theta.tail(p);
+  return std::min(law.gain_nats, 0.5 * theta.dot(all.bottomRightCorner(p, p).ldlt().solve(theta)));
 }
 
 Series3 beyond_matrix(const SensorSearch& search, const Series3& effect) {
@@ -287,10 +286,10 @@ Series3 beyond_matrix(const SensorSearch& search, const Series3& effect) {
   return seen - z * z.colPivHouseholderQr().solve(seen);
 }
 
-bool varies(const SensorSearch& search, const Found& law) {
+bool varies(const SensorSearch& search, const Found& law, const Fit& beside) {
   constexpr double kTrace = 0.01;
   if (law.offset.size() || law.columns.empty()) return true;
-  const Series3 effect = effect_of(search, law);
+  const Series3 effect = effect_of(law, beside);
   return beyond_matrix(search, effect).norm() > kTrace * effect.norm();
 }
 

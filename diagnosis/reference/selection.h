@@ -47,7 +47,7 @@ struct SensorSearch {
   std::vector<Ranked> ranking;      ///< of the first round
   std::vector<double> moments_s{};  ///< where windows that gained begin or end, to the sample
   double first_gain = 0.0;
-  Eigen::MatrixXd walk;  ///< the basis of a random walk
+  WalkBasis walk;
   Series t_s;
   bool walk_is_given = false;  ///< the simulation has a slow random process of its own here: no discovery, no charge
   [[nodiscard]] Target beside_walk() const;
@@ -63,10 +63,6 @@ struct SensorSearch {
 /// before, a drift - that leaves over what is no noise; and a law of the catalogue in a window, where slow noise passes
 /// for an offset.
 inline constexpr double kLeastNet = 1.5, kLeastNetBeside = 3.0, kLeastNetLocal = 8.0;
-
-/// Nats that the coefficients of a linear law are worth by the scatter of what each second says of them; the law's gain
-/// where too few seconds speak.
-[[nodiscard]] double robust_nats(const SensorSearch& search, const Found& law);
 
 /// Of the largest gain in the sensor: the remainder of a large effect must not get a name of its own.
 inline constexpr double kLeastShareOfFirst = 0.02;
@@ -86,15 +82,18 @@ inline constexpr double kLeastShareOfFirst = 0.02;
 
 /// Adds it to the model, then drops any earlier effect that it makes superfluous.
 void accept(SensorSearch& search, Found found);
-/// A linear law beside all that was found and a walk; its coefficients are the last ones.
+/// A linear law beside all that was found and a walk; its coefficients are the last ones. `beside` is this fit below.
 [[nodiscard]] Fit fit_beside(const SensorSearch& search, const Found& law);
-/// What a linear law does, with the coefficients that it has beside all that was found (n x 3).
-[[nodiscard]] Series3 effect_of(const SensorSearch& search, const Found& law);
+/// What a linear law does with the coefficients that it has there (n x 3).
+[[nodiscard]] Series3 effect_of(const Found& law, const Fit& beside);
+/// Nats that the coefficients of a linear law are worth by the scatter of what each second says of them; the law's gain
+/// where too few seconds speak.
+[[nodiscard]] double robust_nats(const SensorSearch& search, const Found& law, const Fit& beside);
 /// What bias and matrix leave of an effect, in the rows that count; 0 in the others.
 [[nodiscard]] Series3 beyond_matrix(const SensorSearch& search, const Series3& effect);
 /// Whether what bias and matrix leave of a law is more than a trace of it. On a turntable `up` hardly varies: a
 /// coefficient of 50 uT fits 0.03 uT of a camera's noise, and every other motion would be made worse by all of it.
-[[nodiscard]] bool varies(const SensorSearch& search, const Found& law);
+[[nodiscard]] bool varies(const SensorSearch& search, const Found& law, const Fit& beside);
 
 /// The model without effect `index`: what it explained is residual again.
 void take_out(SensorSearch& search, std::size_t index);

@@ -10,7 +10,7 @@ constexpr Eigen::Index kKnotsAHalfWave = 16;  // straight between them to (pi / 
 }  // namespace
 
 SlowColumns::SlowColumns(const Layout& layout, const Eigen::MatrixXd& columns, const NoiseModel& noise, int axis)
-    : scale_(noise.scale(layout, axis)) {
+    : of_this_(noise.scale(layout, axis)), of_next_(Series::Zero(layout.n)) {
   const Eigen::Index K = columns.cols();
   if (K == 0) return;
   const Eigen::Index every = std::max<Eigen::Index>(1, layout.n / (K * kKnotsAHalfWave));
@@ -18,59 +18,63 @@ SlowColumns::SlowColumns(const Layout& layout, const Eigen::MatrixXd& columns, c
   for (const Segment& g : layout.segments) {
     // No row counts before its history is whole.
     for (Eigen::Index row = g.begin + layout.order; row < g.end;) {
-      const Eigen::Index next = row + 1 == g.end ? g.end : std::min(row + every, g.end - 1);
-      spans_.push_back({row, next, static_cast<Eigen::Index>(knots.size())});
+      const Eigen::Index next = row + 1 == g.end ? g.end : std::min(row + every, g.end - 1), count = next - row;
+      spans_.push_back({row, count, static_cast<Eigen::Index>(knots.size())});
       knots.emplace_back(row, g.regime);
+      const Eigen::ArrayXd share =
+          Eigen::ArrayXd::LinSpaced(count, 0.0, static_cast<double>(count - 1)) / static_cast<double>(count);
+      of_next_.segment(row, count) = of_this_.segment(row, count).array() * share;
+      of_this_.segment(row, count) -= of_next_.segment(row, count);
       row = next;
     }
   }
-  at_knots_.resize(static_cast<Eigen::Index>(knots.size()), K);
-  for (std::size_t i = 0; i < knots.size(); ++i) {
-    const auto& [row, regime] = knots[i];
-    const Eigen::VectorXd& a = noise.coefficients(regime, axis);
-    auto at = at_knots_.row(static_cast<Eigen::Index>(i));
-    at = columns.row(row);
-    for (Eigen::Index j = 0; j < a.size(); ++j) at -= a[j] * columns.row(row - j - 1);
+  at_knots_.resize(K, static_cast<Eigen::Index>(knots.size()));
+  std::array<Eigen::VectorXd, 2> filter;  // from the oldest row to the knot's own
+  for (int regime = 0; regime < layout.regimes; ++regime) {
+    Eigen::VectorXd& f = filter[static_cast<std::size_t>(regime)];
+    f.resize(layout.order + 1);
+    f << -noise.coefficients(regime, axis).reverse(), 1.0;
   }
+  for (Eigen::Index k = 0; k < K; ++k)
+    for (std::size_t i = 0; i < knots.size(); ++i) {
+      const auto& [row, regime] = knots[i];
+      at_knots_(k, static_cast<Eigen::Index>(i)) =
+          columns.col(k).segment(row - layout.order, layout.order + 1).dot(filter[static_cast<std::size_t>(regime)]);
+    }
 }
 
 Eigen::MatrixXd SlowColumns::gram() const {
-  Eigen::MatrixXd weighed = Eigen::MatrixXd::Zero(at_knots_.rows(), cols());
+  Eigen::MatrixXd weighed = Eigen::MatrixXd::Zero(cols(), at_knots_.cols());
   for (const Span& s : spans_) {
-    double here = 0.0, between = 0.0, there = 0.0;
-    for (Eigen::Index i = s.begin; i < s.end; ++i) {
-      const double u = s.share(i), w = scale_[i] * scale_[i];
-      here += w * (1.0 - u) * (1.0 - u), between += w * u * (1.0 - u), there += w * u * u;
-    }
-    weighed.row(s.knot) += here * at_knots_.row(s.knot);
-    if (there == 0.0) continue;
-    weighed.row(s.knot) += between * at_knots_.row(s.knot + 1);
-    weighed.row(s.knot + 1) += between * at_knots_.row(s.knot) + there * at_knots_.row(s.knot + 1);
+    const auto here = of_this_.segment(s.begin, s.count), there = of_next_.segment(s.begin, s.count);
+    weighed.col(s.knot) += here.squaredNorm() * at_knots_.col(s.knot);
+    if (s.count == 1) continue;
+    const double between = here.dot(there);
+    weighed.col(s.knot) += between * at_knots_.col(s.knot + 1);
+    weighed.col(s.knot + 1) += between * at_knots_.col(s.knot) + there.squaredNorm() * at_knots_.col(s.knot + 1);
   }
-  return at_knots_.transpose() * weighed;
+  return weighed * at_knots_.transpose();
 }
 
 Eigen::MatrixXd SlowColumns::products(const Eigen::MatrixXd& x) const {
-  Eigen::MatrixXd at = Eigen::MatrixXd::Zero(at_knots_.rows(), x.cols());
+  Eigen::MatrixXd at = Eigen::MatrixXd::Zero(at_knots_.cols(), x.cols());
   for (Eigen::Index j = 0; j < x.cols(); ++j)
-    for (const Span& s : spans_)
-      for (Eigen::Index i = s.begin; i < s.end; ++i) {
-        const double u = s.share(i), y = scale_[i] * x(i, j);
-        at(s.knot, j) += (1.0 - u) * y;
-        if (u > 0.0) at(s.knot + 1, j) += u * y;
-      }
-  return at_knots_.transpose() * at;
+    for (const Span& s : spans_) {
+      const auto rows = x.col(j).segment(s.begin, s.count);
+      at(s.knot, j) += of_this_.segment(s.begin, s.count).dot(rows);
+      if (s.count > 1) at(s.knot + 1, j) += of_next_.segment(s.begin, s.count).dot(rows);
+    }
+  return at_knots_ * at;
 }
 
 Eigen::MatrixXd SlowColumns::times(const Eigen::MatrixXd& coefficients) const {
-  const Eigen::MatrixXd at = at_knots_ * coefficients;
-  Eigen::MatrixXd out = Eigen::MatrixXd::Zero(scale_.size(), coefficients.cols());
+  const Eigen::MatrixXd at = at_knots_.transpose() * coefficients;
+  Eigen::MatrixXd out = Eigen::MatrixXd::Zero(of_this_.size(), coefficients.cols());
   for (Eigen::Index j = 0; j < out.cols(); ++j)
-    for (const Span& s : spans_)
-      for (Eigen::Index i = s.begin; i < s.end; ++i) {
-        const double u = s.share(i);
-        out(i, j) = scale_[i] * (u > 0.0 ? (1.0 - u) * at(s.knot, j) + u * at(s.knot + 1, j) : at(s.knot, j));
-      }
+    for (const Span& s : spans_) {
+      out.col(j).segment(s.begin, s.count) = at(s.knot, j) * of_this_.segment(s.begin, s.count);
+      if (s.count > 1) out.col(j).segment(s.begin, s.count) += at(s.knot + 1, j) * of_next_.segment(s.begin, s.count);
+    }
   return out;
 }
 

@@ -13,7 +13,7 @@ class SlowColumns {
   /// `columns`: n x K, of which the fastest has K half waves along the rows.
   SlowColumns(const Layout& layout, const Eigen::MatrixXd& columns, const NoiseModel& noise, int axis);
 
-  [[nodiscard]] Eigen::Index cols() const { return at_knots_.cols(); }
+  [[nodiscard]] Eigen::Index cols() const { return at_knots_.rows(); }
   /// K x K: whitened columns' * whitened columns.
   [[nodiscard]] Eigen::MatrixXd gram() const;
   /// K x p: whitened columns' * x, where x is n x p.
@@ -22,16 +22,13 @@ class SlowColumns {
   [[nodiscard]] Eigen::MatrixXd times(const Eigen::MatrixXd& coefficients) const;
 
  private:
-  /// Rows from one knot to the next, which stands at `end`; or the last row of all, which is its own knot.
+  /// Rows from one knot to the next, which stands at `begin + count`; a row alone is its own knot.
   struct Span {
-    Eigen::Index begin = 0, end = 0, knot = 0;
-    [[nodiscard]] double share(Eigen::Index row) const {
-      return static_cast<double>(row - begin) / static_cast<double>(end - begin);
-    }
+    Eigen::Index begin = 0, count = 0, knot = 0;
   };
   std::vector<Span> spans_;
-  Series scale_;              ///< of each row: the noise model's, 0 where it does not count
-  Eigen::MatrixXd at_knots_;  ///< filtered, not scaled
+  Series of_this_, of_next_;  ///< share of each row in its span's knot and in the next, times the noise model's scale
+  Eigen::MatrixXd at_knots_;  ///< K x knots: filtered, not scaled
 };
 
 }  // namespace stillpoint::diag

@@ -27,7 +27,7 @@ class Drawn {
       out.col(axis) = noise_.coloured(layout, white, axis);
       Eigen::VectorXd c = walk_deviations(search_.beside_walk(), q_[static_cast<std::size_t>(axis)]);
       for (double& x : c) x *= normal_(engine_);
-      out.col(axis) += search_.walk * c;
+      out.col(axis) += *search_.walk * c;
     }
     return out;
   }

@@ -49,8 +49,8 @@ std::optional<Found> against_the_unrecorded(const Signals& s, const SensorSearch
   if (law.offset.size()) plain.residual -= law.offset;
   const Columns explained = search.explained();
   const Columns with = law.offset.size() ? explained : joined(explained, law.columns);
-  const Eigen::MatrixXd slow = walk_basis(s, kShortestPeriod_s);
-  const NoiseModel noise = noise_beside_both(plain, with, slow);
+  const WalkBasis slow = walk_basis(s, kShortestPeriod_s);
+  const NoiseModel noise = noise_beside_both(plain, with, *slow);
   const auto drifting = [&](Target t, const Columns& columns) {
     t.walk = slow;
     return fit_walking(t, columns, noise).log_likelihood;

@@ -53,7 +53,7 @@ Turning turning_about(const Signals& s, bool in_world, int axis, const Series& c
 
 Basis make_basis(const Signals& s, bool in_world) {
   Basis out;
-  const Eigen::MatrixXd walk = walk_basis(s, kShortest_s);
+  const Eigen::MatrixXd walk = *walk_basis(s, kShortest_s);
   const Eigen::Index terms = walk.cols();
   for (int axis = 0; axis < 3; ++axis)
     for (Eigen::Index k = 0; k < terms; ++k) {
@@ -210,7 +210,7 @@ std::optional<Together> agreed(const Basis& basis, const std::vector<Testimony>&
 Turning turning_of(const Signals& s, const Together& one, bool in_world, double duration_s) {
   Turning out{Series3::Zero(s.n, 3), Series3::Zero(s.n, 3)};
   if (one.columns.begin > 0) return out;
-  const Eigen::MatrixXd walk = walk_basis(s.t_s, duration_s, kShortest_s);
+  const Eigen::MatrixXd walk = *walk_basis(s.t_s, duration_s, kShortest_s);
   for (int axis = 0; axis < 3; ++axis) {
     const Turning part = turning_about(s, in_world, axis, walk * one.course.segment(axis * walk.cols(), walk.cols()));
     out.turn += part.turn, out.rate += part.rate;

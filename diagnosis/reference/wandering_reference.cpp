@@ -44,9 +44,9 @@ bool walks_beside_wandering(const Signals& s, const SensorSearch& search, double
          fit_profile(search.target, turns).log_likelihood + least_nats;
 }
 
-bool as_small_as_wandering(const Signals& s, const SensorSearch& search, const Found& law) {
+bool as_small_as_wandering(const Signals& s, const SensorSearch& search, const Found& law, const Fit& beside) {
   if (s.exact_reference || law.offset.size()) return false;
-  return beyond_matrix(search, effect_of(search, law)).norm() < kWanders_rad * s.vector[search.sensor].norm();
+  return beyond_matrix(search, effect_of(law, beside)).norm() < kWanders_rad * s.vector[search.sensor].norm();
 }
 
 }  // namespace stillpoint::diag

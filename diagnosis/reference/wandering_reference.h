@@ -12,6 +12,7 @@ namespace stillpoint::diag {
 [[nodiscard]] bool walks_beside_wandering(const Signals& s, const SensorSearch& search, double least_nats);
 
 /// Whether a few milliradians of such a turn would do as much to the sensor as the law does.
-[[nodiscard]] bool as_small_as_wandering(const Signals& s, const SensorSearch& search, const Found& law);
+[[nodiscard]] bool as_small_as_wandering(const Signals& s, const SensorSearch& search, const Found& law,
+                                         const Fit& beside);
 
 }  // namespace stillpoint::diag

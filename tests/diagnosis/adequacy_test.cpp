@@ -112,7 +112,7 @@ TEST(Adequacy, ADriverThatHardlyVariedIsNoneOfALaw) {
       law.columns.push_back({axis, up});
       search.target.residual.col(axis) = 50.0 * up;
     }
-    EXPECT_EQ(varies(search, law), wobble > 0.1) << wobble;
+    EXPECT_EQ(varies(search, law, fit_beside(search, law)), wobble > 0.1) << wobble;
   }
 }
 

@@ -25,7 +25,7 @@ TEST(Scan, ADriverThatIsNearlyZeroInAWindowExplainsNothingThere) {
     x.bottomRows(s->n / 2) *= 1e-11;
     return Columns{{-1, x}};
   };
-  const NoiseModel noise = scan_noise(search.target, {}, search.walk);
+  const NoiseModel noise = scan_noise(search.target, {}, *search.walk);
   for (const Candidate& c : Scan(search.target, {}, noise).look(law, 0)) EXPECT_LT(c.gain_nats, 50.0);
 }
 

@@ -64,9 +64,11 @@ TEST(WanderingReference, MayBeWhatASmallLawOfTheAccelerometerIsTakenFor) {
     Found law;
     law.id = "acc_temp_lin";
     for (int axis = 0; axis < 3; ++axis) law.columns.push_back({axis, s->temperature_K});
-    EXPECT_EQ(as_small_as_wandering(*s, start_search(*s, kAcc), law), small) << k;
+    const SensorSearch search = start_search(*s, kAcc);
+    const Fit beside = fit_beside(search, law);
+    EXPECT_EQ(as_small_as_wandering(*s, search, law, beside), small) << k;
     s->exact_reference = true;
-    EXPECT_FALSE(as_small_as_wandering(*s, start_search(*s, kAcc), law));
+    EXPECT_FALSE(as_small_as_wandering(*s, search, law, beside));
   }
 }
 
