@@ -123,11 +123,16 @@ bool may_be_stated(const Signals& s, const SensorSearch& search, const Found& la
   return !fails_elsewhere(held_out, law.id) && !leaves_more(held_out);
 }
 
-/// The rate of the reading itself beside a delay or filter of it: the two would share one cause.
-bool is_a_delay_again(const SensorSearch& search, const Term& t) {
-  const bool timed =
-      std::any_of(search.found.begin(), search.found.end(), [](const Found& f) { return f.kind == Kind::kTiming; });
-  return timed && t.idea.texts.front() == fmt::format("d({})", own_vector(search.sensor));
+/// The rate of the reading itself beside a delay or filter of it, alone or with a factor that changes nothing: the two
+/// would share one cause, and undo each other.
+bool is_a_delay_again(const SensorSearch& search, const std::vector<Term>& terms, const Term& t) {
+  if (std::none_of(search.found.begin(), search.found.end(), [](const Found& f) { return f.kind == Kind::kTiming; }))
+    return false;
+  const std::string rate = fmt::format("d({})", own_vector(search.sensor));
+  const std::string& text = t.idea.texts.front();
+  return text == rate || (text.starts_with(rate + " * ") && std::any_of(terms.begin(), terms.end(), [&](const Term& o) {
+                            return o.idea.texts.front() == rate && o.found.net_nats > t.found.net_nats - kAlikeLeast;
+                          }));
 }
 
 /// By the noise model and by the scatter of the seconds.
@@ -158,7 +163,7 @@ const Term* choose(const Signals& s, const SensorSearch& search, const std::vect
   double least = terms.empty() ? 0.0 : kOfTheBest * terms.front().found.net_nats;
   for (const Term& t : terms) {
     if (t.found.net_nats < least) break;
-    if (is_a_delay_again(search, t)) continue;
+    if (is_a_delay_again(search, terms, t)) continue;
     if (chosen && t.found.columns.size() >= chosen->found.columns.size()) continue;
     const Fit beside = fit_beside(search, t.found);
     if (sure_gain(search, t.found, beside) < least_gain) continue;

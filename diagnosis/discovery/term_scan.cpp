@@ -4,6 +4,7 @@
 #include <Eigen/Eigenvalues>
 
 #include "diagnosis/reference/columns.h"
+#include "diagnosis/reference/normal_equations.h"
 
 namespace stillpoint::diag {
 
@@ -24,33 +25,19 @@ TermScan::TermScan(const Target& target, const Columns& explained, const NoiseMo
   constexpr double kExactCopy = 1e-9;  // of the largest direction's power
   for (int axis = 0; axis < 3; ++axis) {
     Base& base = base_[static_cast<std::size_t>(axis)];
-    base.dense.resize(target.layout.n, target.nuisance.cols() + static_cast<Eigen::Index>(explained.size()));
-    Eigen::Index used = 0;
-    const auto add = [&](const Eigen::Ref<const Series>& x) {
-      base.dense.col(used++) = noise.whiten(target.layout, x, axis);
-    };
-    for (Eigen::Index j = 0; j < target.nuisance.cols(); ++j) add(target.nuisance.col(j));
-    for (const Column& c : explained)
-      if (const auto shown = shown_in(c, axis)) add(*shown);
-    base.dense.conservativeResize(Eigen::NoChange, used);
-    if (target.walk) base.walk = SlowColumns(target.layout, *target.walk, noise, axis);
-    const Eigen::Index K = base.walk.cols();
-    Eigen::MatrixXd gram(used + K, used + K);
-    gram.topLeftCorner(used, used) = base.dense.transpose() * base.dense;
-    gram.bottomLeftCorner(K, used) = base.walk.products(base.dense);
-    gram.topRightCorner(used, K) = gram.bottomLeftCorner(K, used).transpose();
-    gram.bottomRightCorner(K, K) = base.walk.gram();
-    const Eigen::VectorXd scale = gram.diagonal().cwiseMax(1e-280).cwiseSqrt().cwiseInverse();
-    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(scale.asDiagonal() * gram * scale.asDiagonal());
+    AxisSystem a = whitened_system({target, target.layout, explained, noise}, axis);
+    base.dense = a.design.leftCols(a.plain);
+    base.walk = std::move(a.walk);
+    const Eigen::VectorXd scale = a.gram.diagonal().cwiseMax(1e-280).cwiseSqrt().cwiseInverse();
+    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(scale.asDiagonal() * a.gram * scale.asDiagonal());
     const Eigen::VectorXd& power = eigen.eigenvalues();  // the largest last
     const Eigen::Index rank = (power.array() > kExactCopy * power[power.size() - 1]).count();
     base.shape = scale.asDiagonal() * eigen.eigenvectors().rightCols(rank) *
                  power.tail(rank).cwiseSqrt().cwiseInverse().asDiagonal();
+    const Eigen::VectorXd explains = base.shape * (base.shape.transpose() * a.moment);
     Series& r = residual_[static_cast<std::size_t>(axis)];
-    r = noise.whiten(target.layout, target.residual.col(axis), axis);
-    const Eigen::VectorXd explains = base.shape * base.shares(r);
-    r -= base.dense * explains.head(used);
-    if (K > 0) r -= base.walk.times(explains.tail(K));
+    r = a.design.col(a.plain) - base.dense * explains.head(a.plain);
+    if (target.walk) r -= base.walk.times(explains.tail(target.walk_terms()));
   }
 }
 
