@@ -115,6 +115,7 @@ Layout without_bursts(const Layout& layout, const Series3& leftover) {
       }
     if (blocks.empty()) continue;
     std::vector<double> powers;
+    powers.reserve(blocks.size());
     for (const auto& block : blocks) powers.push_back(block.first);
     const double usual = median(std::move(powers));
     for (const auto& [power, g] : blocks)

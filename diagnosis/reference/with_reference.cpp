@@ -118,8 +118,10 @@ bool enough_to_compare(Signals& s) {
 
 /// Of how many rows, `merged` each already, the mean is taken: of more than are needed.
 Eigen::Index thinning_of(const Signals& s, Eigen::Index merged) {
-  const double rows = static_cast<double>(s.n / merged), step_s = s.dt_s * static_cast<double>(merged);
-  return std::max<Eigen::Index>(1, static_cast<Eigen::Index>(std::min(rows / kMostSamples, kFastEnough_s / step_s)));
+  const Eigen::Index rows = s.n / merged;
+  const double step_s = s.dt_s * static_cast<double>(merged);
+  return std::max<Eigen::Index>(
+      1, static_cast<Eigen::Index>(std::min(static_cast<double>(rows) / kMostSamples, kFastEnough_s / step_s)));
 }
 
 /// Whoever sees an effect of the whole clock best speaks first.
