@@ -158,9 +158,10 @@ const Term* without_idle_factors(const Signals& s, const SensorSearch& search, c
 /// The best that gains enough and may be stated; of those that the recording hardly tells from it the one with the
 /// fewest numbers, which is the surer one on another motion. nullptr: none.
 const Term* choose(const Signals& s, const SensorSearch& search, const std::vector<Term>& terms, double least_gain) {
+  if (terms.empty()) return nullptr;
   const Term* chosen = nullptr;
   const Fit before = fit_profile(search.beside_walk(), search.explained());
-  double least = terms.empty() ? 0.0 : kOfTheBest * terms.front().found.net_nats;
+  double least = kOfTheBest * terms.front().found.net_nats;
   for (const Term& t : terms) {
     if (t.found.net_nats < least) break;
     if (is_a_delay_again(search, terms, t)) continue;

@@ -28,12 +28,13 @@ Thin::Thin(const Signals& full, const SensorSearch& base, Eigen::Index factor, b
   target = make_target(s, base.sensor);
   for (const Column& c : base.explained()) explained.push_back({c.axis, means_of_rows(c.x, factor)});
   null = target;
-  if (walks) null.walk = walk_basis(s);
+  const WalkBasis walk = walk_basis(s);
+  if (walks) null.walk = walk;
   white = target;
   white.layout.order = 0;
   noises.reserve(3), all.reserve(3);
   noises.emplace_back(null.layout, fit_profile(null, explained).leftover);
-  noises.push_back(scan_noise(target, explained, *walk_basis(s)));
+  noises.push_back(scan_noise(target, explained, *walk));
   const NoiseModel level(white.layout, white.residual);
   noises.emplace_back(white.layout, fit_with(white, explained, level, {}).leftover);
   all.emplace_back(null, explained, noises[0]);

@@ -2,11 +2,11 @@
 
 #include <Eigen/Cholesky>
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <numeric>
 #include <utility>
 #include <vector>
+
+#include "diagnosis/reference/normal_equations.h"
 
 namespace stillpoint::diag {
 namespace {
@@ -42,39 +42,18 @@ Told told_by(const Equations& e, double variance) {
   return {std::move(coefficients), -0.5 * (misfit + e.counted * std::log(variance) + volume)};
 }
 
-/// The columns of one axis, and where their coefficients stand among those of all three.
-struct Axis {
-  Eigen::MatrixXd design;
-  std::vector<Eigen::Index> number;
-};
-
-Axis of_axis(const Target& t, const Columns& columns, int axis) {
-  Axis out{t.nuisance, std::vector<Eigen::Index>(static_cast<std::size_t>(t.nuisance.cols()))};
-  std::iota(out.number.begin(), out.number.end(), axis * t.nuisance.cols());
-  for (std::size_t j = 0; j < columns.size(); ++j) {
-    const auto shown = shown_in(columns[j], axis);
-    if (!shown) continue;
-    out.design.conservativeResize(Eigen::NoChange, out.design.cols() + 1);
-    out.design.rightCols(1) = *shown;
-    out.number.push_back(3 * t.nuisance.cols() + static_cast<Eigen::Index>(j));
-  }
-  return out;
-}
-
 /// Adds what an axis says, block by block.
-void add_axis(const Target& t, const Axis& axis, int k, const NoiseModel& noise, Eigen::Index block,
-              std::vector<Equations>& to) {
-  Eigen::MatrixXd white(t.layout.n, axis.design.cols());
-  for (Eigen::Index j = 0; j < white.cols(); ++j) white.col(j) = noise.whiten(t.layout, axis.design.col(j), k);
-  const Series y = noise.whiten(t.layout, t.residual.col(k), k);
+void add_axis(const Problem& of, int axis, Eigen::Index block, std::vector<Equations>& to) {
+  const AxisSystem a = whitened_system(of, axis);
   Eigen::Index begin = 0;
   for (Equations& own : to) {
-    const Eigen::Index length = std::min(block, t.layout.n - begin);
-    const auto rows = white.middleRows(begin, length);
-    own.gram(axis.number, axis.number) += rows.transpose() * rows;
-    own.score(axis.number) += rows.transpose() * y.segment(begin, length);
-    own.square += y.segment(begin, length).squaredNorm();
-    own.counted += t.layout.counts.segment(begin, length).sum();
+    const Eigen::Index length = std::min(block, of.t.layout.n - begin);
+    const auto rows = a.design.leftCols(a.plain).middleRows(begin, length);
+    const auto y = a.design.col(a.plain).segment(begin, length);
+    own.gram(a.global, a.global) += rows.transpose() * rows;
+    own.score(a.global) += rows.transpose() * y;
+    own.square += y.squaredNorm();
+    own.counted += of.layout.counts.segment(begin, length).sum();
     begin += length;
   }
 }
@@ -83,28 +62,23 @@ void add_axis(const Target& t, const Axis& axis, int k, const NoiseModel& noise,
 
 LeftOut blocks_left_out(const Target& t, const Columns& columns, const NoiseModel& noise, Eigen::Index block) {
   const Eigen::Index blocks = (t.layout.n + block - 1) / block;
-  const Eigen::Index numbers = 3 * t.nuisance.cols() + static_cast<Eigen::Index>(columns.size());
-  const std::array<Axis, 3> axes{of_axis(t, columns, 0), of_axis(t, columns, 1), of_axis(t, columns, 2)};
-  std::vector<Equations> of_block(static_cast<std::size_t>(blocks), Equations(numbers));
-  for (int k = 0; k < 3; ++k) add_axis(t, axes[static_cast<std::size_t>(k)], k, noise, block, of_block);
-  Equations all(numbers);
+  const Problem of{t, t.layout, columns, noise, false};
+  std::vector<Equations> of_block(static_cast<std::size_t>(blocks), Equations(of.plain()));
+  for (int axis = 0; axis < 3; ++axis) add_axis(of, axis, block, of_block);
+  Equations all(of.plain());
   for (const Equations& own : of_block) all.add(own, 1.0);
   all.gram.diagonal() += (kFree * all.gram.diagonal().array() + 1e-280).matrix();
   const double misfit = all.square - all.score.dot(told_by(all, 1.0).coefficients);
   const double variance = std::max(1.0, misfit / std::max(all.counted, 1.0));
   const double whole = told_by(all, variance).evidence_nats;
-  LeftOut out{Eigen::VectorXd(blocks), t.residual};
+  LeftOut out{Eigen::VectorXd(blocks), Series3(t.layout.n, 3)};
   for (Eigen::Index b = 0; b < blocks; ++b) {
     Equations others = all;
     others.add(of_block[static_cast<std::size_t>(b)], -1.0);
     const Told by_others = told_by(others, variance);
     out.nats[b] = whole - by_others.evidence_nats;
     const Eigen::Index begin = b * block, length = std::min(block, t.layout.n - begin);
-    for (int k = 0; k < 3; ++k) {
-      const Axis& axis = axes[static_cast<std::size_t>(k)];
-      const Eigen::VectorXd own = by_others.coefficients(axis.number);
-      out.residual.col(k).segment(begin, length) -= axis.design.middleRows(begin, length) * own;
-    }
+    out.residual.middleRows(begin, length) = leftover_of(of, by_others.coefficients, begin, length);
   }
   return out;
 }

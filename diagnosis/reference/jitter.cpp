@@ -31,10 +31,11 @@ struct Rows {
 
 /// The residual without what a bias, a matrix, a delay and smooth curves explain.
 Series3 rough(const Signals& s, Sensor k, const Series3& slope) {
-  const Eigen::MatrixXd walk = *walk_basis(s);
+  const WalkBasis walk = walk_basis(s);
+  const Eigen::Index terms = std::min<Eigen::Index>(walk->cols(), 16);
   const Series3& v = s.vector[k];
-  Eigen::MatrixXd design(s.n, 10 + std::min<Eigen::Index>(walk.cols(), 16));
-  design << Eigen::VectorXd::Ones(s.n), v, slope, v.cwiseAbs2(), walk.leftCols(std::min<Eigen::Index>(walk.cols(), 16));
+  Eigen::MatrixXd design(s.n, 10 + terms);
+  design << Eigen::VectorXd::Ones(s.n), v, slope, v.cwiseAbs2(), walk->leftCols(terms);
   Series3 y = s.residual[k];
   for (Eigen::Index i = 0; i < s.n; ++i)
     if (s.muted[k][static_cast<std::size_t>(i)]) design.row(i).setZero(), y.row(i).setZero();

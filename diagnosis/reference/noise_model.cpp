@@ -184,7 +184,7 @@ Series NoiseModel::filter(const Layout& layout, const Eigen::Ref<const Series>& 
 
 Series NoiseModel::whiten(const Layout& layout, const Eigen::Ref<const Series>& x, int axis) const {
   Series out = filter(layout, x, axis);
-  out.array() *= inverse_scale_.col(axis).array() * layout.counts;
+  out.array() *= scale(layout, axis).array();
   return out;
 }
 

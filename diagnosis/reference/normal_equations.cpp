@@ -81,7 +81,8 @@ Solution solve_normal(const Problem& of, const Systems& systems, const std::arra
     const Eigen::MatrixXd M = Eigen::MatrixXd::Identity(K, K) + d.asDiagonal() * own * d.asDiagonal();
     out.log_det += 2.0 * Eigen::LLT<Eigen::MatrixXd>(M).matrixLLT().diagonal().array().log().sum();
     own.diagonal() += d.cwiseAbs2().cwiseInverse();
-    const auto units = scale.segment(plain + axis * K, K) = units_of(own.diagonal());
+    const Eigen::VectorXd units = units_of(own.diagonal());
+    scale.segment(plain + axis * K, K) = units;
     own = units.asDiagonal() * own * units.asDiagonal();
     own.diagonal().array() += kRidge;
     w.llt.compute(own);
@@ -108,18 +109,19 @@ Solution solve_normal(const Problem& of, const Systems& systems, const std::arra
   return out;
 }
 
-Series3 leftover_of(const Problem& of, const Solution& s) {
-  const Eigen::Index z = of.own(), K = s.walk(of);
-  Series3 left = of.t.residual - of.t.nuisance * s.x.head(3 * z).reshaped(z, 3);
+Series3 leftover_of(const Problem& of, const Eigen::VectorXd& x, Eigen::Index begin, Eigen::Index rows) {
+  const Eigen::Index z = of.own(), K = of.walk_in(x);
+  Series3 left =
+      of.t.residual.middleRows(begin, rows) - of.t.nuisance.middleRows(begin, rows) * x.head(3 * z).reshaped(z, 3);
   for (std::size_t j = 0; j < of.columns.size(); ++j) {
     const Column& c = of.columns[j];
-    const double k = s.x[3 * z + static_cast<Eigen::Index>(j)];
+    const double k = x[3 * z + static_cast<Eigen::Index>(j)];
     if (c.axis < 0)
-      left -= k * c.x;
+      left -= k * c.x.middleRows(begin, rows);
     else
-      left.col(c.axis) -= k * c.x.col(0);
+      left.col(c.axis) -= k * c.x.col(0).segment(begin, rows);
   }
-  if (K > 0) left -= *of.t.walk * s.x.tail(3 * K).reshaped(K, 3);
+  if (K > 0) left -= of.t.walk->middleRows(begin, rows) * x.tail(3 * K).reshaped(K, 3);
   return left;
 }
 

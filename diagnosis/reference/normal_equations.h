@@ -15,6 +15,7 @@ struct Problem {
   [[nodiscard]] Eigen::Index own() const { return t.nuisance.cols(); }  ///< unknowns of one axis: offset and matrix
   [[nodiscard]] Eigen::Index plain() const { return 3 * own() + static_cast<Eigen::Index>(columns.size()); }
   [[nodiscard]] Eigen::Index walk() const { return may_walk ? t.walk_terms() : 0; }
+  [[nodiscard]] Eigen::Index walk_in(const Eigen::VectorXd& x) const { return x.size() > plain() ? walk() : 0; }
 };
 
 /// One axis, whitened, as normal equations: nuisance and columns first, the walk last, so that the model without a walk
@@ -43,12 +44,12 @@ struct Solution {
   Eigen::VectorXd x;        ///< nuisance of the three axes, columns, walk of the three axes
   Eigen::MatrixXd inverse;  ///< of the normal matrix: all rows, the columns of nuisance and candidates
   double log_det = 0.0;     ///< of the walk, marginalised
-  [[nodiscard]] Eigen::Index walk(const Problem& of) const { return x.size() > of.plain() ? of.walk() : 0; }
   /// Of one axis: as the design has them, then its walk.
   [[nodiscard]] Eigen::VectorXd of_axis(const Problem& of, const AxisSystem& a, int axis) const {
-    Eigen::VectorXd own(a.plain + walk(of));
+    const Eigen::Index K = of.walk_in(x);
+    Eigen::VectorXd own(a.plain + K);
     for (Eigen::Index i = 0; i < a.plain; ++i) own[i] = x[a.global[static_cast<std::size_t>(i)]];
-    own.tail(walk(of)) = x.segment(of.plain() + axis * walk(of), walk(of));
+    own.tail(K) = x.segment(of.plain() + axis * K, K);
     return own;
   }
 };
@@ -56,7 +57,10 @@ struct Solution {
 /// With these rates of the walks, unit / sqrt(s); without any where all are 0.
 [[nodiscard]] Solution solve_normal(const Problem& of, const Systems& systems, const std::array<double, 3>& walk_q);
 
-/// Residual minus everything fitted.
-[[nodiscard]] Series3 leftover_of(const Problem& of, const Solution& s);
+/// Of so many rows, the residual minus what these unknowns do; without walks where `x` has none.
+[[nodiscard]] Series3 leftover_of(const Problem& of, const Eigen::VectorXd& x, Eigen::Index begin, Eigen::Index rows);
+[[nodiscard]] inline Series3 leftover_of(const Problem& of, const Solution& s) {
+  return leftover_of(of, s.x, 0, of.t.layout.n);
+}
 
 }  // namespace stillpoint::diag

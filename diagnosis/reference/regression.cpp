@@ -52,13 +52,14 @@ Fit fit_of(const Problem& of, const Systems& systems, const Solution& s, const s
   fit.nuisance_covariance = s.inverse.topLeftCorner(own, own);
   fit.leftover = leftover_of(of, s);
   fit.whitened.resize(of.t.layout.n, 3);
+  const Eigen::Index K = of.walk_in(s.x);
   double penalty = 0.0;
   for (int axis = 0; axis < 3; ++axis) {
     const AxisSystem& a = systems[static_cast<std::size_t>(axis)];
     const Eigen::VectorXd x = s.of_axis(of, a, axis);
     fit.whitened.col(axis) = a.design.col(a.plain) - a.design.leftCols(a.plain) * x.head(a.plain);
-    if (s.walk(of) == 0) continue;
-    const auto walk = x.tail(s.walk(of));
+    if (K == 0) continue;
+    const auto walk = x.tail(K);
     fit.whitened.col(axis) -= a.walk.times(walk);
     penalty += walk.cwiseQuotient(walk_deviations(of.t, walk_of(walk_q, of.noise, axis))).squaredNorm();
   }
@@ -138,7 +139,7 @@ Eigen::MatrixXd robust_covariance(const Target& t, const Columns& columns, const
   const Problem of{t, t.layout, columns, noise, any_walks(walk_q)};
   const Systems systems = whitened_systems(of);
   const Solution s = solve_normal(of, systems, walk_q);
-  const Eigen::Index K = s.walk(of);
+  const Eigen::Index K = of.walk_in(s.x);
   const auto block = std::max<Eigen::Index>(1, std::lround(kScoreBlock_s / t.rows.step_s));
   const Eigen::Index blocks = (t.layout.n + block - 1) / block;
   Eigen::MatrixXd scores = Eigen::MatrixXd::Zero(blocks, s.x.size());

@@ -144,7 +144,7 @@ std::optional<Found> chosen(const Signals& s, const SensorSearch& search, const 
     if (!pays(s, search, *best)) return std::nullopt;
     if (!possible(s, search, *best)) return std::nullopt;  // what comes next would take the same misfit's place
     if (!leaves_less(search, *best)) return std::nullopt;
-    const Fit beside = fit_beside(search, *best);
+    const Fit beside = best->offset.size() ? Fit{} : fit_beside(search, *best);  // a timing law has no use for it
     if (robust_nats(search, *best, beside) < charge(best->names.size(), best->window)) return std::nullopt;
     if (is_unknown(best->id) && !varies(search, *best, beside)) return std::nullopt;
     // Half a milliradian of a camera's calibration is as large as a good magnetometer's noise, and turns gravity by

@@ -53,15 +53,15 @@ Turning turning_about(const Signals& s, bool in_world, int axis, const Series& c
 
 Basis make_basis(const Signals& s, bool in_world) {
   Basis out;
-  const Eigen::MatrixXd walk = *walk_basis(s, kShortest_s);
-  const Eigen::Index terms = walk.cols();
+  const WalkBasis walk = walk_basis(s, kShortest_s);
+  const Eigen::Index terms = walk->cols();
   for (int axis = 0; axis < 3; ++axis)
     for (Eigen::Index k = 0; k < terms; ++k) {
-      Turning one = turning_about(s, in_world, axis, walk.col(k));
+      Turning one = turning_about(s, in_world, axis, walk->col(k));
       out.turn.push_back(std::move(one.turn)), out.rate.push_back(std::move(one.rate));
     }
   out.late = Eigen::MatrixXd::Ones(s.n, kLateTerms);
-  out.late.rightCols(kLateTerms - 1) = walk.leftCols(kLateTerms - 1);
+  out.late.rightCols(kLateTerms - 1) = walk->leftCols(kLateTerms - 1);
   out.sd = Eigen::VectorXd::Constant(out.turns() + kLateTerms, kVaries_s);
   out.sd.head(out.turns()).setConstant(kExpected_rad * std::sqrt(2.0 / static_cast<double>(terms)));
   out.sd[out.turns()] = kLate_s;
@@ -210,9 +210,10 @@ std::optional<Together> agreed(const Basis& basis, const std::vector<Testimony>&
 Turning turning_of(const Signals& s, const Together& one, bool in_world, double duration_s) {
   Turning out{Series3::Zero(s.n, 3), Series3::Zero(s.n, 3)};
   if (one.columns.begin > 0) return out;
-  const Eigen::MatrixXd walk = *walk_basis(s.t_s, duration_s, kShortest_s);
+  const WalkBasis walk = walk_basis(s.t_s, duration_s, kShortest_s);
+  const Eigen::Index terms = walk->cols();
   for (int axis = 0; axis < 3; ++axis) {
-    const Turning part = turning_about(s, in_world, axis, walk * one.course.segment(axis * walk.cols(), walk.cols()));
+    const Turning part = turning_about(s, in_world, axis, *walk * one.course.segment(axis * terms, terms));
     out.turn += part.turn, out.rate += part.rate;
   }
   return out;
