@@ -34,6 +34,22 @@ void tell_what_was_set_aside(const Sanity& sanity, const sim::SimulationConfig& 
   }
 }
 
+/// Biases and matrices that are told go into what `--improved` holds.
+void set_right(const ConfigurationFault& fault, const sim::SimulationConfig& simulation, Answer& answer) {
+  const auto axis = [](char c) { return static_cast<Eigen::Index>(c - 'x'); };
+  for (const Sensor s : {kAcc, kGyr, kMag}) {
+    if (fault.sensor != kSensorName[s] || fault.values.empty()) continue;
+    auto& numbers = answer.numbers[s];
+    if (!numbers) numbers = *triad(simulation, s);
+    for (const Parameter& p : fault.values) {
+      if (p.name.starts_with("bias_"))
+        numbers->bias[axis(p.name.back())] = p.value;
+      else
+        numbers->matrix(axis(p.name[p.name.size() - 2]), axis(p.name.back())) = p.value;
+    }
+  }
+}
+
 Answer without_reference(const io::Recording& recording, const sim::SimulationConfig& simulation,
                          const std::vector<std::string>& without, Answer answer) {
   std::vector<std::string> notices = std::move(answer.diagnosis.notices);
@@ -43,6 +59,7 @@ Answer without_reference(const io::Recording& recording, const sim::SimulationCo
   answer.effects = examine_raw_values(recording, simulation).effects;
   for (const Finding& f : answer.diagnosis.findings)
     if (auto e = effect_of(f); e && !contains(answer.effects, e->id)) answer.effects.push_back(std::move(*e));
+  for (const ConfigurationFault& fault : answer.diagnosis.configuration) set_right(fault, simulation, answer);
   return answer;
 }
 

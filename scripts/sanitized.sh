@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Builds the tests under a sanitizer and runs them: tsan (what has threads), dev (ASan and UBSan, all but the tool) or
-# tool (the same over the tool and its searches, which take ten times as long as all the rest).
+# tool (all three over the tool and its searches, which take ten times as long as all the rest).
 set -euo pipefail
 cd "$(dirname "$0")/.."
 . scripts/setup.sh
@@ -15,6 +15,8 @@ case "${1:-}" in
     scripts/tests.sh dev -j"$jobs" -E "$tool" ;;
   tool)
     build dev all test_diagnosis
-    scripts/tests.sh dev -j"$jobs" -R "$tool" ;;
+    scripts/tests.sh dev -j"$jobs" -R "$tool"
+    build tsan test_diagnosis  # the sensors are searched beside one another
+    TSAN_OPTIONS="suppressions=$PWD/cmake/tsan.supp halt_on_error=1" build/tsan/tests/test_diagnosis --gtest_filter='GoldenAnswers*' ;;
   *) echo "usage: scripts/sanitized.sh tsan | dev | tool" >&2; exit 64 ;;
 esac

@@ -177,6 +177,7 @@ void fill_channels(const SelfConsistency& model, const std::array<SelfConsistenc
   const auto blocks = static_cast<std::size_t>(span_s / block_s) + 1;
   for (std::size_t b = 0; b < blocks; ++b) d.heat_t_s.push_back(start_s + block_s * (static_cast<double>(b) + 0.5));
   for (const Sensor s : {kGyr, kMag}) {
+    if (s == kGyr && model.rest().empty()) continue;
     const auto& first = before[s == kGyr ? 0 : 1];
     const auto last = model.series(s, {}, {});
     const auto n = static_cast<double>(first.t_s.size());

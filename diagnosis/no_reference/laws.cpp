@@ -153,7 +153,7 @@ class Laws {
         c[0].unit[i] = -(w[i + 1] - w[i - 1]) / (m_.recording().t_s(i + 1) - m_.recording().t_s(i - 1));
       return c;
     });
-    if (simulation_.magnetometer) {
+    if (simulation_.magnetometer && !m_.rest().empty()) {  // up is known
       add("gyr_earth", kGyr, "D = R^T omega_e", "attitude", {"scale"}, "1", [this] {
         // North is where the field points; the latitude follows from its dip as for a dipole.
         const Vec3 m = simulation_.field_world_uT;

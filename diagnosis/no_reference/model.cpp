@@ -56,9 +56,10 @@ SelfConsistency::SelfConsistency(const io::Recording& recording, const sim::Simu
   for (const auto& w : rest_)
     for (std::size_t i = w.first; i + cell <= w.last + 1; i += cell) cells_.push_back({i, i + cell - 1});
   place_knots();
+  for (std::size_t k = 1; k < knots_.size() && rest_.empty(); ++k)  // which way is up, roughly
+    if (knots_[k - 1] + cell <= knots_[k]) cells_.push_back({knots_[k - 1], knots_[k - 1] + cell - 1});
   first_attitude_ = first_attitude();
-  start_anew();
-  prior_sd_ = Eigen::VectorXd::Constant(x_.size(), kMatrixPrior);
+  prior_sd_ = Eigen::VectorXd::Constant(numbers(), kMatrixPrior);
   // A common turn of all sensors against the body changes nothing that they see: the body's axes are those in which the
   // accelerometer's matrix is triangular (Tedaldi, Pretto and Menegatti, ICRA 2014).
   for (const long below : {3, 6, 7}) prior_sd_[kAccAt + below] = kFixed;
@@ -67,12 +68,15 @@ SelfConsistency::SelfConsistency(const io::Recording& recording, const sim::Simu
   prior_sd_.segment<3>(kMagAt + 9).setConstant(kMagOffsetPrior);
   prior_sd_.segment<3>(kFieldAt).setConstant(kFieldPrior_uT);
   prior_sd_.segment<3>(kLegsAt).setConstant(kAttitudePrior_rad);
-  prior_sd_.tail(x_.size() - wander_at()).setConstant(kFixed);
+  start_anew();
 }
 
 void SelfConsistency::start_anew() {
-  x_ = Eigen::VectorXd::Zero(wander_at() + 3 * static_cast<long>(rest_.size()));
-  x_.segment<3>(kGyroAt + 9) = offset_at_rest();
+  x_ = Eigen::VectorXd::Zero(numbers());
+  if (rest_.empty())
+    start_in_motion();
+  else
+    x_.segment<3>(kGyroAt + 9) = offset_at_rest();
 }
 
 /// The time in which the gyroscope's noise turns the field as much as the magnetometer's own leaves open over that
@@ -105,8 +109,8 @@ void SelfConsistency::place_knots() {
 /// How far the attitude may have to be put right at each knot: what the noise of the rate adds up to since the one
 /// before, and what sampling loses.
 void SelfConsistency::expect_closure() {
-  const double walk = std::max(simulation_.gyroscope->noise_sd * std::sqrt(recording_.median_step_s()),
-                               std::sqrt(rate_sd_.squaredNorm() / 3.0 * kRestCell_s));  // rad per sqrt(s)
+  const double at_rest = rest_.empty() ? 0.0 : std::sqrt(rate_sd_.squaredNorm() / 3.0 * kRestCell_s);
+  const double walk = std::max(simulation_.gyroscope->noise_sd * std::sqrt(recording_.median_step_s()), at_rest);
   for (std::size_t k = 1; k < knots_.size(); ++k) {
     const double span_s = recording_.t_s(knots_[k]) - recording_.t_s(knots_[k - 1]);
     const double sd =

@@ -1,8 +1,8 @@
 /// The self-consistency of gyroscope, magnetometer and rest windows as one linear model around an attitude integrated
-/// from the gyro. Rows: the field at (thinned) samples, specific force and rate in cells of rest. Columns: the
-/// nuisances (calibration of the three sensors, field, attitude of every leg of the motion, and what the gyroscope's
-/// offset wanders by in every rest), and whatever law is put beside them. With R = exp([eps]x) R_hat and a rate error
-/// D: eps(t) = -int R_hat D dt, and the field error is R_hat^T (m_w x eps).
+/// from the gyro. Rows: the field at (thinned) samples, specific force and rate in cells of rest; where nothing rests
+/// the force of one cell a leg, which says roughly which way is up. Columns: the nuisances (calibration of the three
+/// sensors, field, attitude of every leg of the motion), and whatever law is put beside them. With R = exp([eps]x)
+/// R_hat and a rate error D: eps(t) = -int R_hat D dt, and the field error is R_hat^T (m_w x eps).
 #pragma once
 #include <algorithm>
 #include <array>
@@ -63,7 +63,7 @@ struct HeldOutGain {
 inline constexpr double kRestCell_s = 0.5;  ///< means over it are the readings of the rests
 
 /// Layout of the nuisances: three blocks of 9 (rows of the matrix) + 3 (gyr, acc, mag), the field, then three per leg
-/// from knot to knot (its attitude, world frame), then three per rest (offset of the gyroscope).
+/// from knot to knot (its attitude, world frame).
 inline constexpr long kGyroAt = 0, kAccAt = 12, kMagAt = 24, kFieldAt = 36, kLegsAt = 39;
 
 class SelfConsistency {
@@ -77,16 +77,22 @@ class SelfConsistency {
   void keep_noise() { noise_kept_ = true; }
   /// `applied` is what of the law replace() has already taken out; the fit is of the whole.
   [[nodiscard]] LawFit fit(const std::vector<LawColumn>& law, const Eigen::VectorXd& applied = {}) const;
+  /// The values with which `law` does most nearly what `other` does with its own.
+  [[nodiscard]] Eigen::VectorXd instead_of(const std::vector<LawColumn>& other, const Eigen::VectorXd& value,
+                                           const std::vector<LawColumn>& law) const;
   /// Covariance of a law's values by what stretches of motion say against each other, which a bent attitude or a driver
   /// known in part makes more than noise. `left`: the fitted values less what replace() has taken out already.
   [[nodiscard]] Eigen::MatrixXd covariance_between_stretches(const std::vector<LawColumn>& law,
                                                              const Eigen::VectorXd& left) const;
-  /// The law beside offsets of the gyroscope that differ from rest to rest, as parts flicker and hands sway: by as much
-  /// as suits it best, against as much as suits the readings best without it.
+  /// The law beside what wanders as parts flicker, hands sway and vehicles go: offsets of the gyroscope from leg to
+  /// leg and of the magnetometer from stretch to stretch, accelerations from rest to rest. By as much as suits it
+  /// best, against as much as suits the readings best without it.
   [[nodiscard]] BesideWander beside_wander(const std::vector<LawColumn>& law, const Eigen::VectorXd& applied) const;
   /// How much better the law with the nuisances predicts blocks of 10 s than the nuisances alone, each from all the
   /// others: the logarithm of the ratio of what both give for them, with all that either does not know.
   [[nodiscard]] HeldOutGain held_out(const std::vector<LawColumn>& law, const Eigen::VectorXd& applied) const;
+  /// How much the body accelerates in what seems to be rest, m/s^2, as far as the readings say.
+  [[nodiscard]] double acceleration_at_rest_mps2() const;
   /// Takes a law out of a sensor's readings in place of what was taken before (puts `before`
   /// back), and settles again around the attitude that follows.
   void replace(const std::vector<LawColumn>& before, const Eigen::VectorXd& before_value,
@@ -97,10 +103,11 @@ class SelfConsistency {
   /// The nuisances as they stand, and a return to where they once stood, which the next settling starts from.
   [[nodiscard]] const Eigen::VectorXd& nuisances() const { return x_; }
   void start_from(const Eigen::VectorXd& nuisances) { x_ = nuisances; }
-  void start_anew();  ///< from the simulation's numbers and the gyroscope's offset at rest
+  void start_anew();  ///< from the simulation's numbers, and what rests, or else the motion, say of the offsets
 
-  /// Offsets and matrices of the simulation that the nuisances contradict.
-  [[nodiscard]] std::vector<ConfigurationFault> wrong_numbers() const;
+  /// Offsets and matrices of the simulation that the nuisances contradict; none where they fit with a matrix only that
+  /// no sensor has.
+  [[nodiscard]] std::optional<std::vector<ConfigurationFault>> wrong_numbers() const;
 
   /// Residual of the sensor's rows (field or rate at rest) and what `law` predicts of it, for rms and figures.
   struct Series {
@@ -129,6 +136,7 @@ class SelfConsistency {
   }
 
  private:
+  class Wandering;
   struct Cell {
     std::size_t first, last;  ///< rows, inclusive
   };
@@ -142,6 +150,7 @@ class SelfConsistency {
   /// Where the first rest begins: from there on the attitude is known.
   [[nodiscard]] std::size_t first_row() const { return rest_.empty() ? 0 : rest_.front().first; }
   [[nodiscard]] Vec3 offset_at_rest() const;
+  void start_in_motion();
   [[nodiscard]] Quat first_attitude() const;
   [[nodiscard]] double span_s() const { return recording_.t_s(recording_.size() - 1) - recording_.t_s(first_row()); }
   [[nodiscard]] double even_leg_s() const;
@@ -159,9 +168,14 @@ class SelfConsistency {
   [[nodiscard]] NuisanceColumns nuisance_columns() const;  ///< not yet whitened
   [[nodiscard]] Sparse local_columns() const;
   [[nodiscard]] Sparse departures() const;
-  [[nodiscard]] std::vector<Mat3> turns_in(const RestWindow& rest) const;
   [[nodiscard]] std::size_t knot_after(std::size_t row) const;
-  [[nodiscard]] long wander_at() const { return kLegsAt + 3 * static_cast<long>(knots_.size()); }
+  [[nodiscard]] long numbers() const { return kLegsAt + 3 * static_cast<long>(knots_.size()); }
+  struct Estimate {
+    Eigen::VectorXd value;
+    Eigen::MatrixXd covariance;
+  };
+  /// The first numbers of the model, beside the wander that suits the readings best.
+  [[nodiscard]] Estimate numbers_beside_wander(long count) const;
   [[nodiscard]] Eigen::MatrixXd beside_nuisances(const std::vector<LawColumn>& law,
                                                  const Eigen::VectorXd& applied) const;
   [[nodiscard]] Eigen::MatrixXd scores_of_stretches(const Eigen::MatrixXd& rows) const;
@@ -172,7 +186,6 @@ class SelfConsistency {
   [[nodiscard]] double surprise(const Eigen::VectorXd& x) const {
     return (departures_ * x).cwiseQuotient(prior_sd_.head(x.size())).squaredNorm();
   }
-  [[nodiscard]] Sparse information(const Eigen::VectorXd& prior_sd, double times) const;
   void attitude_column(const std::vector<Vec3>& eps_world, Eigen::Ref<Eigen::VectorXd> out) const;
   void sensor_column(const LawColumn& column, Eigen::Ref<Eigen::VectorXd> out) const;
   [[nodiscard]] SparseRows whitener() const;
@@ -204,8 +217,9 @@ class SelfConsistency {
   double doubt_ = 1.0;
 
   SparseRows whitener_;
-  NuisanceColumns N_;  ///< whitened
-  Eigen::VectorXd y_;  ///< whitened residual
+  NuisanceColumns N_;        ///< whitened
+  Eigen::VectorXd y_;        ///< whitened residual
+  Eigen::VectorXd settled_;  ///< the numbers that leave it: x_, what the last step adds to it, and the accepted laws'
   std::shared_ptr<const NuisanceSolver> gram_;
 };
 

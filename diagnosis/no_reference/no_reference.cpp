@@ -13,14 +13,17 @@
 #include "diagnosis/no_reference/findings.h"
 #include "diagnosis/no_reference/lines_at_rest.h"
 #include "diagnosis/no_reference/noisy_rail.h"
-#include "diagnosis/no_reference/search.h"
 #include "diagnosis/no_reference/still.h"
+#include "diagnosis/no_reference/trials.h"
 
 namespace stillpoint::diag {
 namespace {
 
+using detail::bent;
 using detail::Candidate;
+using detail::open_laws;
 using detail::SelfConsistency;
+using detail::Trial;
 using detail::WitnessedLaw;
 
 constexpr int kMostFindings = 3;
@@ -28,55 +31,71 @@ constexpr double kCoarseOverNoise =
     3.0;  // noise dithers a finer lattice: its bias stays below a tenth of the noise (Widrow 1996)
 constexpr double kLeastOfFirst = 0.02;  // smaller gains are the second order of the first finding
 constexpr double kDriftOverLaw = 1.15;  // a free offset per rest must beat a law by this to take its place
-constexpr double kLeastShare = 0.5;     // a law that removes less of what is not noise is not the cause
-constexpr double kDispersion = 1.5;     // mean square of whitened residuals above which something is left unexplained
-constexpr std::size_t kMostTried = 8;
-constexpr double kNear_nats = 10.0, kNearShare = 0.7;  // of the best: what the second order may still turn round
-constexpr double kHopeless = 2.0;                      // times the misfit that another law leaves
+constexpr double kAccelerates_mps2 = 0.02;
+constexpr double kLeastShare = 0.5;   // a law that removes less of what is not noise is not the cause
 constexpr double kForceMisfit = 1.6;  // whitened rms of the accelerometer's rests above this is more than noise
 
-void conclude(const SelfConsistency& model, const Forensics& raw, Diagnosis& d) {
+constexpr const char* kNoRest =
+    "no window of rest: put the sensor down for 3 s between movements, in different attitudes";
+
+/// What judges, in words.
+std::string witnesses(const SelfConsistency& model) {
+  return model.rest().empty() ? "gyroscope and magnetometer" : "gyroscope, magnetometer and rests";
+}
+
+void conclude(const SelfConsistency& model, const Forensics& raw, bool believable, Diagnosis& d) {
   const bool force_off = model.force_misfit() > kForceMisfit;
   d.notices.push_back(
-      "accelerometer: without a reference it is witnessed at rest alone, by the attitude that the gyroscope carries "
-      "from "
-      "rest to rest; its dynamics and delay stay untested. Record rests of 3 s in at least twelve attitudes, or a "
-      "reference orientation and position");
+      model.rest().empty()
+          ? fmt::format(
+                "gyroscope and magnetometer are judged by each other alone, the accelerometer by its raw values: "
+                "{}, or record a reference orientation and position",
+                kNoRest)
+          : "accelerometer: without a reference it is witnessed at rest alone, by the attitude that the gyroscope "
+            "carries from rest to rest; its dynamics and delay stay untested. Record rests of 3 s in at least twelve "
+            "attitudes, or a reference orientation and position");
   const bool unknown =
       std::any_of(d.findings.begin(), d.findings.end(), [](const Finding& f) { return is_unknown(f); });
   if (!d.findings.empty()) {
     d.verdict = unknown ? Verdict::kUnexplained : Verdict::kExplained;
     std::vector<std::string> parts;
     for (const Finding& f : d.findings) parts.push_back(fmt::format("{} ({})", f.effect, fmt::join(f.channels, ", ")));
-    d.summary = fmt::format(
-        "Missing physics: {}; found from rests and from gyroscope against magnetometer, without a reference.",
-        fmt::join(parts, "; "));
-    if (!unknown && model.dispersion() > kDispersion) {
+    d.summary = fmt::format("Missing physics: {}; found from {}, by each other, without a reference.",
+                            fmt::join(parts, "; "), witnesses(model));
+    if (!unknown && bent(model)) {
       d.verdict = Verdict::kPartlyExplained;
       d.summary += fmt::format(
-          " Beyond it gyroscope and rests disagree by {:.1f} times their noise, by no law of the library or by a "
-          "matrix "
-          "too wrong to start from.",
-          std::sqrt(model.dispersion()));
+          " Beyond it {} disagree by {:.1f} times their noise, by no law of the library or by a matrix too wrong to "
+          "start from.",
+          witnesses(model), std::sqrt(model.dispersion()));
     }
-  } else if (model.dispersion() > kDispersion) {
+  } else if (bent(model)) {
     d.verdict = Verdict::kUnexplained;
     d.summary = fmt::format(
-        "Something is there that no law of the library explains: gyroscope, magnetometer and rests disagree by {:.1f} "
-        "times their noise. Record a reference orientation to decide.",
-        std::sqrt(model.dispersion()));
+        "Something is there that no law of the library explains: {} disagree by {:.1f} times their noise. Record a "
+        "reference orientation to decide.",
+        witnesses(model), std::sqrt(model.dispersion()));
   } else if (force_off) {
     d.verdict = Verdict::kInsufficientData;
     d.summary = fmt::format(
         "Insufficient data for the accelerometer: its rests depart from gravity by {:.1f} times their noise, and "
-        "without "
-        "a reference the cause cannot be told. Gyroscope and magnetometer agree with the simulation.",
+        "without a reference the cause cannot be told. Gyroscope and magnetometer agree with the simulation.",
         model.force_misfit());
+  } else if (!believable) {
+    d.verdict = Verdict::kInsufficientData;
+    d.summary = fmt::format(
+        "Insufficient data: {} agree only with matrices that no sensor has, so something else is missing that this "
+        "recording does not tell. Record more rests, or a reference orientation.",
+        witnesses(model));
+  } else if (!d.configuration.empty()) {
+    d.verdict = Verdict::kWrongNumbers;
+    d.summary = fmt::format("Wrong numbers, not missing physics: {} {}; found from {}, by each other.",
+                            d.configuration.front().sensor, d.configuration.front().what, witnesses(model));
   } else {
     d.verdict = Verdict::kNoMismatch;
-    d.summary =
-        "No mismatch in what can be seen without a reference: rests, norms, and gyroscope against magnetometer agree "
-        "with the simulation.";
+    d.summary = fmt::format(
+        "No mismatch in what can be seen without a reference: {} agree with each other and with the simulation.",
+        witnesses(model));
   }
   for (const auto& n : raw.notices) d.notices.push_back(n);
 }
@@ -108,19 +127,9 @@ std::string what_is_missing(const io::Recording& recording, const sim::Simulatio
   if (!gyro || recording.gyr_radps.empty() || !simulation.accelerometer || recording.acc_mps2.empty())
     return "without a reference, gyroscope and accelerometer are both needed: record them or add a reference "
            "orientation";
-  if (rests == 0)
-    return "no window of rest: put the sensor down for 3 s between movements, in different attitudes, or record a "
-           "reference orientation";
+  if (rests == 0 && (!simulation.magnetometer || recording.mag_uT.empty()))
+    return fmt::format("{}, or record its magnetometer or a reference orientation", kNoRest);
   return {};
-}
-
-/// The laws that are left to be named: what the simulation has was taken out already.
-std::vector<WitnessedLaw> open_laws(const SelfConsistency& model, const sim::SimulationConfig& simulation,
-                                    const std::vector<std::string>& without) {
-  auto laws = detail::witnessed_laws(model, simulation);
-  std::erase_if(
-      laws, [&](const WitnessedLaw& law) { return contains(simulation.effects, law.id) || contains(without, law.id); });
-  return laws;
 }
 
 /// A slow offset that no law reaches, in the first round; true when one was stated. `best`: the score of the best of
@@ -131,6 +140,8 @@ bool state_drift(const SelfConsistency& model, const sim::SimulationConfig& simu
   for (const Sensor s : {kGyr, kMag}) {
     const std::string id = fmt::format("{}_drift", kSensorName[s]);
     if (contains(simulation.effects, id)) continue;
+    if (s == kGyr && model.acceleration_at_rest_mps2() > kAccelerates_mps2)
+      continue;  // then rests disagree without one
     const double drift = detail::drift_score(model, s);
     d.ranking.push_back({id, drift});
     if (drift > most.first) most = {drift, s};
@@ -139,63 +150,6 @@ bool state_drift(const SelfConsistency& model, const sim::SimulationConfig& simu
   if (score < detail::kAbstain_nats || score < kDriftOverLaw * best + detail::kAbstain_nats) return false;
   d.findings.push_back(detail::describe_drift(model, sensor, score));
   return true;
-}
-
-bool bent(const SelfConsistency& model) { return model.dispersion() > kDispersion; }
-
-/// The model with one law taken out of the readings; the candidate refers to the laws beside it.
-struct Trial {
-  std::unique_ptr<SelfConsistency> model;
-  std::vector<WitnessedLaw> laws;
-  Candidate candidate;
-};
-
-Trial taken_out(const SelfConsistency& model, const sim::SimulationConfig& simulation,
-                const std::vector<std::string>& without, const Candidate& candidate, double hopeless_nats) {
-  Trial t{std::make_unique<SelfConsistency>(model), {}, candidate};
-  t.laws = open_laws(*t.model, simulation, without);
-  t.candidate.law = &*std::find_if(t.laws.begin(), t.laws.end(),
-                                   [&](const WitnessedLaw& law) { return law.id == candidate.law->id; });
-  if (bent(model)) t.model->start_anew();  // what was settled around the law is bent by it
-  detail::relinearise(*t.model, t.candidate, hopeless_nats);
-  const double better = model.misfit_nats() - t.model->misfit_nats() - candidate.charges;
-  t.candidate.score = std::isfinite(better) && detail::plausible(t.candidate) ? better : -HUGE_VAL;
-  return t;
-}
-
-/// By how much `law` must be better than `other`: of laws as good as each other the one with fewer numbers is named.
-double margin(const WitnessedLaw& law, const WitnessedLaw& other) {
-  return law.numbers() == other.numbers()
-             ? 0.0
-             : std::copysign(detail::kEquivalent_nats, law.numbers() > other.numbers() ? 1.0 : -1.0);
-}
-
-/// The law that leaves least; none when the best is not worth its charges. How much each leaves shows only when it has
-/// been taken out: `ranking` then has their new scores. Where much is left unexplained the attitude is bent, and even
-/// laws far behind are tried.
-Trial best_of(const SelfConsistency& model, const sim::SimulationConfig& simulation,
-              const std::vector<std::string>& without, std::vector<Candidate>& ranking) {
-  const double near = ranking.empty() ? 0.0 : std::min(kNearShare * ranking[0].score, ranking[0].score - kNear_nats);
-  Trial best;
-  for (std::size_t i = 0; i < std::min(kMostTried, ranking.size()); ++i) {
-    Candidate& c = ranking[i];
-    if (c.score < detail::kAbstain_nats || (!bent(model) && c.score < near)) break;
-    const double hopeless = best.model ? kHopeless * best.model->misfit_nats() : HUGE_VAL;
-    Trial t = taken_out(model, simulation, without, c, hopeless);
-    c.score = t.candidate.score;
-    if (!best.model || c.score > best.candidate.score + margin(*t.candidate.law, *best.candidate.law))
-      best = std::move(t);
-  }
-  std::sort(ranking.begin(), ranking.end(), [](const auto& a, const auto& b) { return a.score > b.score; });
-  if (best.candidate.score < detail::kAbstain_nats) return {};
-  return best;
-}
-
-/// The model without the law again, but from where the law has led: lower than it was where it had only lost its way.
-std::unique_ptr<SelfConsistency> put_back(const Trial& trial) {
-  auto plain = std::make_unique<SelfConsistency>(*trial.model);
-  plain->replace(trial.candidate.law->columns(trial.candidate.grid_value), trial.candidate.applied, {}, {});
-  return plain;
 }
 
 /// What is open in one round, by score before and after it was tried, and the best of it.
@@ -212,7 +166,7 @@ Round look(const SelfConsistency& model, const sim::SimulationConfig& simulation
   std::erase_if(r.laws, [&](const WitnessedLaw& law) { return contains(d.findings, law.id); });
   r.untried = r.ranking = detail::rank(model, r.laws);
   if (!r.ranking.empty() && r.ranking.front().fit.gain_nats >= least_gain)
-    r.best = best_of(model, simulation, without, r.ranking);
+    r.best = detail::best_of(model, simulation, without, r.ranking);
   return r;
 }
 
@@ -223,7 +177,7 @@ void search(std::unique_ptr<SelfConsistency>& model, const sim::SimulationConfig
   for (int round = 0; round < kMostFindings; ++round) {
     Round r = look(*model, simulation, without, d, kLeastOfFirst * first_gain);
     if (r.best.model && bent(*model) && !lost) {
-      auto plain = put_back(r.best);
+      auto plain = detail::put_back(r.best);
       lost = plain->misfit_nats() < model->misfit_nats() - detail::kAbstain_nats;
       if (lost) {
         model = std::move(plain);
@@ -238,7 +192,7 @@ void search(std::unique_ptr<SelfConsistency>& model, const sim::SimulationConfig
     }
     if (!r.best.model) return;
     const Candidate& c = r.best.candidate;
-    const detail::Agreement agreed = detail::agreement(*r.best.model, c);
+    const detail::Agreement agreed = r.best.agreed();
     if (agreed.nats < detail::kAbstain_nats) return;
     Finding f = detail::describe(*r.best.model, c, agreed.sd, r.ranking);
     if (!(f.held_out.gain_nats > 1.0) || f.channels.empty()) return;
@@ -277,6 +231,42 @@ bool state_rails(const SelfConsistency& model, std::vector<Finding> rails, Diagn
   return gyroscope;
 }
 
+/// What is judged, as rests or as motion.
+struct Asked {
+  const io::Recording &recording, &without_lines;
+  const sim::SimulationConfig& simulation;
+  const Forensics &raw, &masked;
+  const std::vector<std::string>& without;
+};
+
+struct Judged {
+  std::unique_ptr<SelfConsistency> model;
+  Diagnosis diagnosis;
+};
+
+Judged judge(const Asked& asked, const std::vector<detail::RestWindow>& rest, Diagnosis d) {
+  auto model = std::make_unique<SelfConsistency>(asked.without_lines, asked.simulation, asked.masked, rest);
+  model->settle();
+  detail::take_out_given(*model, detail::witnessed_laws(*model, asked.simulation), asked.simulation.effects);
+  model->keep_noise();
+  const std::array<SelfConsistency::Series, 2> before{model->series(kGyr, {}, {}), model->series(kMag, {}, {})};
+  if (state_rails(*model, open_rails(asked.recording, asked.simulation, asked.raw, asked.without), d)) {
+    judge_raw_only(kSpoiled, asked.raw, d);
+    return {std::move(model), std::move(d)};
+  }
+  search(model, asked.simulation, asked.without, d);
+  std::sort(d.ranking.begin(), d.ranking.end(), [](const auto& a, const auto& b) { return a.gain_nats > b.gain_nats; });
+  detail::fill_channels(*model, before, d);
+  bool believable = true;
+  if (!bent(*model)) {  // a bent attitude bends them too
+    auto numbers = model->wrong_numbers();
+    believable = numbers.has_value();
+    if (numbers) d.configuration = std::move(*numbers);
+  }
+  conclude(*model, asked.raw, believable, d);
+  return {std::move(model), std::move(d)};
+}
+
 }  // namespace
 
 Diagnosis diagnose_without_reference(const io::Recording& recording, const sim::SimulationConfig& simulation,
@@ -298,31 +288,29 @@ Diagnosis diagnose_without_reference(const io::Recording& recording, const sim::
   }
   d.findings = raw.findings;
   d.abstention_nats = detail::kAbstain_nats;
-  const auto rest = detail::find_rest(recording, simulation);
+  auto rest = detail::find_rest(recording, simulation);
+  if (detail::sways(recording, rest)) {
+    rest.clear();
+    d.notices.push_back("what seems to be rest is none: gravity leans as the gyroscope turns, as aboard a ship");
+  }
   if (const std::string why = what_is_missing(recording, simulation, raw, rest.size()); !why.empty()) {
     judge_raw_only(why, raw, d);
     return d;
   }
   const detail::LinesAtRest lines = detail::find_lines_at_rest(recording, simulation, rest, without);
   d.findings.insert(d.findings.end(), lines.findings.begin(), lines.findings.end());
-  d.notices = lines.notices;
+  d.notices.insert(d.notices.end(), lines.notices.begin(), lines.notices.end());
   const detail::DisturbedField disturbed = detail::find_disturbed_field(lines.without, simulation, raw, rest);
   d.findings.insert(d.findings.end(), disturbed.findings.begin(), disturbed.findings.end());
-  auto model = std::make_unique<SelfConsistency>(lines.without, simulation, disturbed.masked, rest);
-  model->settle();
-  detail::take_out_given(*model, detail::witnessed_laws(*model, simulation), simulation.effects);
-  model->keep_noise();
-  const std::array<SelfConsistency::Series, 2> before{model->series(kGyr, {}, {}), model->series(kMag, {}, {})};
-  if (state_rails(*model, open_rails(recording, simulation, raw, without), d)) {
-    judge_raw_only(kSpoiled, raw, d);
-    return d;
+  const Asked asked{recording, lines.without, simulation, raw, disturbed.masked, without};
+  Judged judged = judge(asked, rest, d);
+  if (bent(*judged.model) && !rest.empty() && what_is_missing(recording, simulation, raw, 0).empty()) {
+    d.notices.push_back(
+        "what seems to be rest contradicts itself, as in a vehicle that accelerates: not taken for rest");
+    Judged in_motion = judge(asked, {}, d);
+    if (!bent(*in_motion.model)) return in_motion.diagnosis;
   }
-  search(model, simulation, without, d);
-  std::sort(d.ranking.begin(), d.ranking.end(), [](const auto& a, const auto& b) { return a.gain_nats > b.gain_nats; });
-  detail::fill_channels(*model, before, d);
-  if (model->dispersion() < kDispersion) d.configuration = model->wrong_numbers();  // a bent attitude bends them too
-  conclude(*model, raw, d);
-  return d;
+  return judged.diagnosis;
 }
 
 }  // namespace stillpoint::diag

@@ -13,7 +13,8 @@ namespace {
 
 constexpr int kArOrder = 6;
 constexpr std::size_t kNoisePiece = 150;  // readings: many times the order, and short beside a disturbance
-constexpr double kMoreThanNoise = 3.0;    // variance of a piece over the usual one
+constexpr double kLeastInMotion_mps2 = 0.5, kUntold_radps = 1e3;  // cells in motion say which way is up, and no rate
+constexpr double kMoreThanNoise = 3.0;                            // variance of a piece over the usual one
 
 struct Autocovariance {
   Eigen::VectorXd sum = Eigen::VectorXd::Zero(kArOrder + 1);  ///< by lag
@@ -54,7 +55,8 @@ void SelfConsistency::find_field_noise() {
   for (int k = 0; k < 3; ++k) {
     auto& ar = mag_ar_[static_cast<std::size_t>(k)];
     ar = Eigen::VectorXd::Zero(kArOrder);
-    mag_sd_[k] = simulation_.magnetometer ? std::max(simulation_.magnetometer->noise_sd, 1e-9) : 1.0;
+    const double walked = std::max(1.0, leg_s_ / even_leg_s());  // a walk that no knot takes out
+    mag_sd_[k] = simulation_.magnetometer ? walked * std::max(simulation_.magnetometer->noise_sd, 1e-9) : 1.0;
     std::vector<Autocovariance> each;
     std::vector<double> variances;
     for (const auto& piece : pieces) {
@@ -72,8 +74,7 @@ void SelfConsistency::find_field_noise() {
     for (int i = 0; i < kArOrder; ++i)
       for (int j = 0; j < kArOrder; ++j) toeplitz(i, j) = c[std::abs(i - j)] + (i == j ? 1e-6 * c[0] : 0.0);
     ar = toeplitz.ldlt().solve(c.tail(kArOrder));
-    mag_sd_[k] = std::sqrt(std::max(c[0] - ar.dot(c.tail(kArOrder)), 1e-6 * c[0] + 1e-18));
-    mag_sd_[k] *= std::max(1.0, leg_s_ / even_leg_s());  // a walk that no knot takes out
+    mag_sd_[k] = walked * std::sqrt(std::max(c[0] - ar.dot(c.tail(kArOrder)), 1e-6 * c[0] + 1e-18));
   }
 }
 
@@ -103,6 +104,15 @@ SparseRows SelfConsistency::whitener() const {
 /// of the field, and the scatter of the cell means about their window's mean.
 void SelfConsistency::find_noise() {
   find_field_noise();
+  if (rest_.empty()) {
+    double square = 0.0;
+    for (const Cell& c : cells_) square += std::pow(cell_mean(force_, c).norm() - simulation_.gravity_mps2, 2);
+    const double beside_gravity =
+        std::sqrt(3.0 * square / static_cast<double>(std::max<std::size_t>(cells_.size(), 1)));
+    force_sd_.setConstant(std::max(beside_gravity, kLeastInMotion_mps2));
+    rate_sd_.setConstant(kUntold_radps);
+    return;
+  }
   Vec3 force2 = Vec3::Zero(), rate2 = Vec3::Zero();
   double freedom = 0;
   for (const auto& w : rest_) {
@@ -114,7 +124,11 @@ void SelfConsistency::find_noise() {
       freedom += 1;
     }
   }
-  if (freedom < 3) return;
+  if (freedom < 3) {  // too few to tell: as configured
+    rate_sd_.setConstant(cell_radps());
+    force_sd_.setConstant(simulation_.accelerometer->noise_sd * std::sqrt(recording_.median_step_s() / kRestCell_s));
+    return;
+  }
   force_sd_ = (force2 / freedom).cwiseSqrt().array() + 1e-9;
   rate_sd_ = (rate2 / freedom).cwiseSqrt().array() + 1e-12;
 }

@@ -19,6 +19,20 @@ void put(Triplets& to, const Eigen::MatrixXd& block, long at_row, long at_col) {
 
 }  // namespace
 
+void put_turn(Triplets& to, long row, long apart, long column, const Eigen::Matrix3d& block) {
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 3; ++j)
+      to.emplace_back(static_cast<int>(row + i * apart), static_cast<int>(column + j), block(i, j));
+}
+
+Sparse information(const Sparse& departures, const Eigen::VectorXd& prior_sd, double times) {
+  const Eigen::VectorXd weight = times * prior_sd.cwiseAbs2().cwiseInverse();
+  Sparse out = Sparse(departures.transpose()) * weight.head(departures.cols()).asDiagonal() * departures;
+  out.conservativeResize(prior_sd.size(), prior_sd.size());
+  for (long i = departures.cols(); i < prior_sd.size(); ++i) out.coeffRef(i, i) = weight[i];
+  return out;
+}
+
 Eigen::MatrixXd NuisanceColumns::times(const Eigen::MatrixXd& numbers) const {
   Eigen::MatrixXd out = calibration * numbers.topRows(calibration.cols());
   out += local * numbers.middleRows(calibration.cols(), local.cols());
@@ -60,6 +74,14 @@ void Normal::add(const Normal& other, double times) {
   nuisances += times * other.nuisances;
   across += times * other.across;
   beside += times * other.beside;
+}
+
+void Normal::expect(const Sparse& information, const Eigen::VectorXd& numbers) {
+  const Eigen::VectorXd pull = information * numbers;
+  const long last = beside.cols() - 1;
+  nuisances += information;
+  across.col(last) -= pull;
+  beside(last, last) += numbers.dot(pull);
 }
 
 LeftOver left_over(const Normal& normal) {

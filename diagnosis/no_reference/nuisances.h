@@ -20,10 +20,17 @@ template <class Matrix>
   return out;
 }
 
+/// Adds a 3x3 block whose rows are `apart`.
+void put_turn(Triplets& to, long row, long apart, long column, const Eigen::Matrix3d& block);
+
+/// Of the prior, on the numbers themselves, of which the first depart from each other; what was accepted since is
+/// independent of all others.
+[[nodiscard]] Sparse information(const Sparse& departures, const Eigen::VectorXd& prior_sd, double times);
+
 /// Rows: readings. In the order of the numbers: the calibration, what is local, what was accepted since.
 struct NuisanceColumns {
   Eigen::MatrixXd calibration;  ///< reaches every row
-  Sparse local;                 ///< the attitude of a leg, the offset of a rest
+  Sparse local;                 ///< the attitude of a leg, an offset that wanders
   Eigen::MatrixXd accepted;     ///< laws
 
   [[nodiscard]] long size() const { return calibration.cols() + local.cols() + accepted.cols(); }
@@ -40,8 +47,11 @@ struct Normal {
   Sparse nuisances;                ///< N^T N, lower half
   Eigen::MatrixXd across, beside;  ///< N^T K, K^T K
 
+  Normal() = default;
   Normal(const NuisanceColumns& n, const Eigen::MatrixXd& k);
   void add(const Normal& other, double times);
+  /// What is known of the numbers beforehand; the last of the columns beside them is what is left at `numbers`.
+  void expect(const Sparse& information, const Eigen::VectorXd& numbers);
 };
 
 /// K^T K when the nuisances have taken all they can (Schur complement), and how much there was of them.

@@ -9,7 +9,7 @@ namespace stillpoint::diag::detail {
 namespace {
 
 constexpr double kCell_s = 0.25;
-constexpr double kLeastRest_s = 1.0;
+constexpr double kLeastRest_s = 1.0, kLeastInAll_s = 2.0;
 constexpr double kOffsetSpread_radps = 0.06;   // a mean rate this far from the offset is a slow turn
 constexpr double kLargestOffset_radps = 0.35;  // 20 deg/s: no gyroscope is sold with more
 
@@ -77,6 +77,9 @@ std::vector<RestWindow> find_rest(const io::Recording& r, const sim::SimulationC
       rest.push_back({(c - run + 1) * n, (c - 1) * n - 1});
     run = 0;
   }
+  double whole_s = 0.0;
+  for (const RestWindow& w : rest) whole_s += r.t_s(w.last) - r.t_s(w.first);
+  if (whole_s < kLeastInAll_s) rest.clear();  // what turns slowly passes through a second of it
   return rest;
 }
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "diagnosis/usual_size.h"
 #include "simulation/effect_catalogue.h"
 
 namespace stillpoint::diag::detail {
@@ -91,7 +92,7 @@ bool plausible(const Candidate& c) {
   if (id == "gyr_delay" || id == "mag_delay") return first > 0 && first < kLargestTau_s;
   if (id == "gyr_earth") return first > 0.2 && first < 5.0;
   if (id == "mag_soft_step") return c.fit.value.cwiseAbs().maxCoeff() < 0.5;  // iron does not turn the field about
-  return true;
+  return may_be_of_a_part(*sim::find_effect(id), c.law->names, c.fit.value, c.fit.sd);
 }
 
 Agreement agreement(const SelfConsistency& model, const Candidate& c) {
@@ -116,12 +117,11 @@ std::vector<Candidate> rank(const SelfConsistency& model, const std::vector<Witn
   return all;
 }
 
-void relinearise(SelfConsistency& model, Candidate& c, double hopeless_nats) {
+void relinearise(SelfConsistency& model, Candidate& c, double hopeless_nats, std::vector<LawColumn> taken) {
   constexpr int kMostPasses = 8;  // each time all of it anew: the driver (corrected force or rate) moves too
   constexpr int kFairTrial = 2;   // passes; by then what bends the attitude back has done most of it
   constexpr double kLeastStep = 1.0 / 16.0;
-  std::vector<LawColumn> taken;
-  c.applied = Eigen::VectorXd::Zero(c.fit.value.size());
+  if (taken.empty()) c.applied = Eigen::VectorXd::Zero(c.fit.value.size());
   for (int pass = 0; pass < kMostPasses; ++pass) {
     const Eigen::VectorXd from = c.applied, nuisances = model.nuisances();
     const double misfit = model.misfit_nats();

@@ -39,8 +39,8 @@ struct Agreement {
 
 /// A large effect bends the attitude that was settled around it, and the calibrations with it: it is taken out of the
 /// readings and fitted again around what follows, until nothing changes, or, after a fair trial, more than
-/// `hopeless_nats` are left.
-void relinearise(SelfConsistency& model, Candidate& candidate, double hopeless_nats);
+/// `hopeless_nats` are left. `taken`: the columns of which candidate.applied has been taken out already.
+void relinearise(SelfConsistency& model, Candidate& candidate, double hopeless_nats, std::vector<LawColumn> taken = {});
 
 /// Takes the entries of a simulation that the laws can witness out of the readings, and settles again.
 void take_out_given(SelfConsistency& model, const std::vector<WitnessedLaw>& laws,

@@ -11,8 +11,6 @@ constexpr double kBlock_s =
     10.0;  // held-out blocks: longer than the memory of the noise, shorter than a bout and its rest
 constexpr std::size_t kMostFolds = 8;
 constexpr double kFree = 1e-6;  // of what the readings say: the prior of a law's coefficients when it is held out
-/// Wanders that are tried, in deviations of a cell's mean.
-constexpr std::array<double, 7> kWanders{0.02, 0.5, 1.0, 2.0, 4.0, 8.0, 16.0};
 constexpr int kLeastSteps = 3, kMostSteps = 8;
 constexpr double kLeastFall = 1e-4;    // of the misfit; less leads nowhere
 constexpr double kSettled_nats = 0.1;  // a step worth less changes no verdict
@@ -41,7 +39,7 @@ void SelfConsistency::settle() {
     N_ = nuisance_columns().under(whitener_);
     y_ = whitener_ * residual();
     doubt_ = std::max(1.0, dispersion());
-    const Sparse information = this->information(prior_sd_, doubt_);
+    const Sparse information = detail::information(departures_, prior_sd_, doubt_);
     factorise(information);
     const Eigen::VectorXd gradient = N_.transposed_times(y_) - information * x_;
     const Eigen::VectorXd step = gram_->solve(gradient);
@@ -49,6 +47,7 @@ void SelfConsistency::settle() {
     const bool stuck = !(misfit < (1.0 - kLeastFall) * before);
     if (pass == kMostSteps || (pass >= kLeastSteps && (stuck || 0.5 * step.dot(gradient) < kSettled_nats))) {
       y_ -= N_.times(step);  // what this step would still change is taken in the linear model
+      settled_ = x_ + step;
       break;
     }
     before = misfit;
@@ -93,6 +92,14 @@ LawFit SelfConsistency::fit(const std::vector<LawColumn>& law, const Eigen::Vect
   fit.covariance = dispersion * solver.solve(Eigen::MatrixXd::Identity(S.rows(), S.cols()));
   fit.sd = fit.covariance.diagonal().cwiseAbs().cwiseSqrt();
   return fit;
+}
+
+Eigen::VectorXd SelfConsistency::instead_of(const std::vector<LawColumn>& other, const Eigen::VectorXd& value,
+                                            const std::vector<LawColumn>& law) const {
+  const Eigen::MatrixXd C = whitened(law);
+  const Eigen::MatrixXd left = C - N_.times(gram_->solve(N_.transposed_times(C)));
+  const Eigen::VectorXd sought = left.transpose() * (whitened(other) * value);
+  return (left.transpose() * C).ldlt().solve(sought);
 }
 
 Eigen::MatrixXd SelfConsistency::covariance_between_stretches(const std::vector<LawColumn>& law,
@@ -149,35 +156,6 @@ Eigen::MatrixXd SelfConsistency::beside_nuisances(const std::vector<LawColumn>& 
   return columns;
 }
 
-BesideWander SelfConsistency::beside_wander(const std::vector<LawColumn>& law, const Eigen::VectorXd& applied) const {
-  const Normal readings(N_, beside_nuisances(law, applied));
-  const auto coefficients = static_cast<long>(law.size());
-  const double variance = std::max(1.0, dispersion());
-  Eigen::VectorXd prior_sd = prior_sd_;
-  double best_without = -HUGE_VAL, best_with = -HUGE_VAL;
-  BesideWander out;
-  for (const double times : kWanders) {
-    prior_sd.segment(wander_at(), x_.size() - wander_at()).setConstant(times * cell_radps());
-    Normal normal = readings;
-    normal.nuisances += information(prior_sd, variance);
-    const LeftOver left = left_over(normal);
-    Eigen::MatrixXd S = left.beside.topLeftCorner(coefficients, coefficients);
-    S.diagonal() += 1e-9 * readings.beside.diagonal().head(coefficients);
-    const Eigen::LDLT<Eigen::MatrixXd> solver(S);
-    const Eigen::VectorXd b = left.beside.col(coefficients).head(coefficients);
-    const double without = -0.5 * (left.beside(coefficients, coefficients) / variance + left.log_determinant) -
-                           prior_sd.array().log().sum();
-    const double with = without + 0.5 * b.dot(solver.solve(b)) / variance;
-    best_without = std::max(best_without, without);
-    if (with <= best_with) continue;
-    best_with = with;
-    const Eigen::MatrixXd covariance = variance * solver.solve(Eigen::MatrixXd::Identity(coefficients, coefficients));
-    out.sd = covariance.diagonal().cwiseAbs().cwiseSqrt();
-  }
-  out.gain_nats = best_with - best_without;
-  return out;
-}
-
 HeldOutGain SelfConsistency::held_out(const std::vector<LawColumn>& law, const Eigen::VectorXd& applied) const {
   const Eigen::MatrixXd K = beside_nuisances(law, applied);
   const auto coefficients = static_cast<long>(law.size());
@@ -194,7 +172,7 @@ HeldOutGain SelfConsistency::held_out(const std::vector<LawColumn>& law, const E
   HeldOutGain gain;
   if (rows.size() < 2) return gain;
   Normal all(N_, K);
-  all.nuisances += information(prior_sd_, variance);
+  all.expect(information(departures_, prior_sd_, variance), settled_);
   all.beside.diagonal().head(coefficients) *= 1.0 + kFree;
   const double whole = gain_of_law(left_over(all), variance);
   for (const auto& r : rows) {
@@ -211,13 +189,17 @@ void SelfConsistency::add_nuisances(const Eigen::MatrixXd& C) {
   const Eigen::MatrixXd NC = N_.transposed_times(C);
   const Eigen::MatrixXd S = C.transpose() * C - NC.transpose() * gram_->solve(NC);
   const Eigen::VectorXd value = S.ldlt().solve(C.transpose() * y_);
-  y_ -= C * value - N_.times(gram_->solve(NC * value));
+  const Eigen::VectorXd given_back = gram_->solve(NC * value);
+  y_ -= C * value - N_.times(given_back);
+  settled_ -= given_back;
+  settled_.conservativeResize(settled_.size() + value.size());
+  settled_.tail(value.size()) = value;
   N_.accepted.conservativeResize(C.rows(), N_.accepted.cols() + C.cols());
   N_.accepted.rightCols(C.cols()) = C;
   Eigen::VectorXd prior(N_.size());
   prior << prior_sd_, C.colwise().norm().transpose().cwiseInverse() * 1e4;  // next to free
   prior_sd_ = prior;
-  factorise(information(prior_sd_, doubt_));
+  factorise(information(departures_, prior_sd_, doubt_));
 }
 
 void SelfConsistency::accept(const std::vector<LawColumn>& law) {

@@ -4,13 +4,12 @@
 #include <cmath>
 
 #include "diagnosis/reference/evidence.h"
+#include "diagnosis/usual_size.h"
 #include "simulation/effect_catalogue.h"
 
 namespace stillpoint::diag {
 namespace {
 
-// Bad parts are 5 times worse than usual ones, and an arm's vibration ten times that.
-constexpr double kBeyondUsual = 50.0;
 constexpr double kImitated = 0.25;  // of a resonance's power: what its own noise may have made
 // Gravity is told from a scale by the reference's translation alone, and that has a scale of its own: a wand's length,
 // a clock's rate twice, what is smoothed off a stroke.
@@ -68,12 +67,8 @@ bool possible(const Signals& s, const SensorSearch& search, const Found& law) {
     const double dg = std::abs(fit.theta.tail(count)[0]), sd = std::sqrt(fit.covariance.diagonal().tail(count)[0]);
     return dg > 2.0 * std::hypot(sd, kTranslationScale * s.gravity_mps2) && dg < kMostOnEarth_mps2;
   }
-  double most = 0.0;
-  for (const auto& p : info->parameters)
-    if (p.symbol == "k" || p.symbol == "S" || p.symbol == "G") most = std::max(most, p.typical_high);
-  if (most == 0.0) return true;
-  const Eigen::VectorXd sd = fit.covariance.diagonal().tail(count).cwiseMax(0.0).cwiseSqrt();
-  return ((fit.theta.tail(count).cwiseAbs() - 2.0 * sd).array() < kBeyondUsual * most).all();
+  return may_be_of_a_part(*info, law.names, fit.theta.tail(count),
+                          fit.covariance.diagonal().tail(count).cwiseMax(0.0).cwiseSqrt());
 }
 
 double decades_below_usual(const SensorSearch& search, const Found& law) {

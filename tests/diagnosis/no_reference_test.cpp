@@ -3,12 +3,15 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <random>
 #include <sstream>
 
+#include "diagnosis/diagnose.h"
 #include "diagnosis/finding_effect.h"
+#include "diagnosis/forensics/forensics.h"
 #include "diagnosis/prove/prove.h"
 #include "simulation/effect_catalogue.h"
 #include "tests/diagnosis/simulated.h"
@@ -121,7 +124,8 @@ TEST(NoReference, ReportsAWrongOffsetAndMatrixOfTheGyroscopeAsConfiguration) {
   truth.gyroscope->bias += Vec3(0.08, -0.03, 0.02);
   truth.gyroscope->matrix(0, 0) += 0.02;
   const auto d = diagnose_without_reference(record(truth, 9), baseline());
-  EXPECT_EQ(d.verdict, Verdict::kNoMismatch) << d.summary;
+  EXPECT_EQ(d.verdict, Verdict::kWrongNumbers) << d.summary;
+  EXPECT_TRUE(d.findings.empty());
   ASSERT_EQ(d.configuration.size(), 2U);
   EXPECT_EQ(d.configuration[0].what.find("bias wrong by (0.08"), 0U) << d.configuration[0].what;
   const std::string& matrix = d.configuration[1].what;
@@ -137,21 +141,56 @@ TEST(NoReference, ReportsAWrongOffsetAndMatrixOfTheGyroscopeAsConfiguration) {
 }
 
 /// A matrix acts on the offset as well: about a wrong one its derivative is not that about the corrected reading.
-TEST(NoReference, SaysNothingOfRecordingsWithWrongNumbersEverywhere) {
+TEST(NoReference, TellsWrongNumbersEverywhereWithIntervalsThatHold) {
+  int told = 0;
   for (const std::uint64_t seed : {25U, 30U, 31U}) {
     std::mt19937_64 random(seed);
     std::normal_distribution<double> normal;
     auto truth = baseline();
-    const std::array<std::pair<sim::TriadConfig*, double>, 3> sensors{
-        {{&*truth.gyroscope, 0.05}, {&*truth.accelerometer, 0.3}, {&*truth.magnetometer, 15.0}}};
-    for (const auto& [sensor, offset_sd] : sensors) {
+    struct Triad {
+      std::string name;
+      sim::TriadConfig* triad;
+      double offset_sd;
+    };
+    const std::array<Triad, 3> sensors{
+        {{"gyr", &*truth.gyroscope, 0.05}, {"acc", &*truth.accelerometer, 0.3}, {"mag", &*truth.magnetometer, 15.0}}};
+    for (const auto& [name, sensor, offset_sd] : sensors) {
       for (double& b : sensor->bias) b += offset_sd * normal(random);
       for (double& h : sensor->matrix.reshaped()) h += 0.02 * normal(random);
     }
     const auto d = diagnose_without_reference(record(truth, seed), baseline());
-    EXPECT_EQ(d.verdict, Verdict::kNoMismatch) << seed << ": " << d.summary;
+    EXPECT_EQ(d.verdict, Verdict::kWrongNumbers) << seed << ": " << d.summary;
+    EXPECT_TRUE(d.findings.empty()) << seed;
     EXPECT_FALSE(d.configuration.empty()) << seed;
+    for (const ConfigurationFault& fault : d.configuration)
+      for (const Parameter& p : fault.values) {
+        if (!p.name.starts_with("bias_")) continue;  // a matrix is told up to a common turn of all sensors
+        const Vec3& bias = std::find_if(sensors.begin(), sensors.end(), [&](const auto& x) {
+                             return fault.sensor == x.name;
+                           })->triad->bias;
+        EXPECT_NEAR(p.value, bias[p.name.back() - 'x'], 1.5 * 0.5 * (p.ci95[1] - p.ci95[0]))
+            << seed << " " << fault.sensor << " " << p.name;
+        ++told;
+      }
   }
+  EXPECT_GE(told, 18);
+}
+
+TEST(NoReference, NumbersSetRightLeaveNothing) {
+  auto truth = baseline();
+  truth.gyroscope->bias += Vec3(0.08, -0.03, 0.02);
+  truth.gyroscope->matrix(0, 0) += 0.02;
+  truth.magnetometer->bias += Vec3(4, -6, 5);
+  const io::Recording recording = record(truth, 9);
+  const Answer answer = diagnose(recording, baseline());
+  auto right = baseline();
+  ASSERT_TRUE(answer.numbers[kGyr].has_value());
+  ASSERT_TRUE(answer.numbers[kMag].has_value());
+  right.gyroscope = *answer.numbers[kGyr];
+  right.magnetometer = *answer.numbers[kMag];
+  if (answer.numbers[kAcc]) right.accelerometer = *answer.numbers[kAcc];
+  const auto d = diagnose_without_reference(recording, right);
+  EXPECT_EQ(d.verdict, Verdict::kNoMismatch) << d.summary;
 }
 
 /// A name that no simulation knows could not be modelled: the magnetometer has no quadratic law and no lag.
@@ -191,8 +230,9 @@ TEST(NoReference, AStrongEffectThatTheSimulationHasIsTakenOutWhole) {
   EXPECT_EQ(d.verdict, Verdict::kNoMismatch) << d.summary;
 }
 
-TEST(NoReference, AsksForRestWhereThereIsNone) {
+TEST(NoReference, AsksForRestWhereThereIsNoneAndNoMagnetometer) {
   auto r = record(baseline(), 6);
+  r.mag_uT.clear();
   for (std::size_t i = 0; i < r.size(); ++i)
     r.gyr_radps[i] += Vec3::Constant(0.3 * std::sin(0.3 * static_cast<double>(i)));
   const auto d = diagnose_without_reference(r, baseline());
