@@ -2,7 +2,6 @@
 /// rest, or seems to be, must not be told for.
 #include <gtest/gtest.h>
 
-#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <random>
@@ -14,11 +13,7 @@ namespace stillpoint::diag {
 namespace {
 
 sim::SimulationConfig simulated(const std::string& motion, const std::string& effects = "[]") {
-  return test::parsed(
-      "rate_hz: 100\naccelerometer: {noise_mps2: 0.005}\ngyroscope: {noise_radps: 0.0005}\n"
-      "magnetometer: {noise_uT: 0.2}\nreference: {kind: none}\n"
-      "environment: {temperature: {kind: warm_up, rise_K: 15}, current: {kind: steps}}\nmotion: " +
-      motion + "\neffects: " + effects + "\n");
+  return test::without_reference(motion, effects, ", current: {kind: steps}");
 }
 
 /// From the middle of a long bout of motion.
@@ -36,16 +31,6 @@ io::Recording never_at_rest(const std::string& effects, std::uint64_t seed) {
   cut(r.t_ns), cut(r.acc_mps2), cut(r.gyr_radps), cut(r.mag_uT), cut(r.temp_degC), cut(r.current_A), cut(r.supply_V);
   cut(r.ref_moving);
   return r;
-}
-
-const Finding* named(const Diagnosis& d, const std::string& effect) {
-  for (const Finding& f : d.findings)
-    if (f.effect == effect) return &f;
-  return nullptr;
-}
-
-const Parameter& parameter(const Finding& f, const std::string& name) {
-  return *std::find_if(f.parameters.begin(), f.parameters.end(), [&](const Parameter& p) { return p.name == name; });
 }
 
 TEST(NeverAtRest, NothingIsMissingButTheOffset) {
@@ -72,10 +57,10 @@ TEST(NeverAtRest, TheFieldTellsLawsOfMagnetometerAndGyroscope) {
   };
   for (const auto& c : cases) {
     const auto d = diagnose_without_reference(never_at_rest("[" + c.entry + "]", 4), simulated(kBout));
-    const Finding* f = named(d, c.effect);
+    const Finding* f = test::finding(d, c.effect);
     ASSERT_NE(f, nullptr) << c.effect << ": " << d.summary;
     EXPECT_EQ(d.findings.size(), 1U) << d.summary;
-    const Parameter& p = parameter(*f, c.number);
+    const Parameter& p = test::parameter(*f, c.number);
     const double half = 0.5 * (p.ci95[1] - p.ci95[0]);
     EXPECT_NEAR(p.value, c.value, 1.5 * half) << c.effect;
     EXPECT_LT(half, c.half) << c.effect;

@@ -14,14 +14,6 @@
 namespace stillpoint::diag {
 namespace {
 
-sim::SimulationConfig simulated(const std::string& motion, const std::string& effects = "[]") {
-  return test::parsed(
-      "rate_hz: 100\naccelerometer: {noise_mps2: 0.005}\ngyroscope: {noise_radps: 0.0005}\n"
-      "magnetometer: {noise_uT: 0.2}\nreference: {kind: none}\n"
-      "environment: {temperature: {kind: warm_up, rise_K: 15}}\nmotion: " +
-      motion + "\neffects: " + effects + "\n");
-}
-
 const std::string kPoses = "{kind: rest_poses, poses: 16, duration_s: 80, min_rest_s: 2.5, max_rest_s: 3.5}";
 const std::string kHand = "{kind: hand, duration_s: 60}";
 /// Switched on in rest, and in the hand from then on.
@@ -31,84 +23,75 @@ io::Recording recorded(const sim::SimulationConfig& config, std::uint64_t seed) 
   return test::record(config, "", {}, seed);
 }
 
-const Finding* named(const Diagnosis& d, const std::string& effect) {
-  for (const Finding& f : d.findings)
-    if (f.effect == effect) return &f;
-  return nullptr;
-}
-
-double value(const Finding& f, const std::string& name) {
-  for (const Parameter& p : f.parameters)
-    if (p.name == name) return p.value;
-  ADD_FAILURE() << f.effect << " has no " << name;
-  return 0.0;
-}
-
 TEST(FewRests, OneIsEnoughForGyroscopeAgainstField) {
   for (const std::uint64_t seed : {1U, 2U, 3U}) {
-    EXPECT_EQ(diagnose_without_reference(recorded(simulated(kOneRest), seed), simulated(kOneRest)).verdict,
-              Verdict::kNoMismatch);
-    const auto truth = simulated(kOneRest, "[{effect: mag_delay, tau_s: 0.012}]");
-    const auto d = diagnose_without_reference(recorded(truth, seed), simulated(kOneRest));
-    const Finding* f = named(d, "mag_delay");
+    EXPECT_EQ(
+        diagnose_without_reference(recorded(test::without_reference(kOneRest), seed), test::without_reference(kOneRest))
+            .verdict,
+        Verdict::kNoMismatch);
+    const auto truth = test::without_reference(kOneRest, "[{effect: mag_delay, tau_s: 0.012}]");
+    const auto d = diagnose_without_reference(recorded(truth, seed), test::without_reference(kOneRest));
+    const Finding* f = test::finding(d, "mag_delay");
     ASSERT_NE(f, nullptr) << d.summary;
     EXPECT_EQ(d.findings.size(), 1U);
-    EXPECT_NEAR(value(*f, "tau"), 0.012, 0.001);
+    EXPECT_NEAR(test::parameter(*f, "tau").value, 0.012, 0.001);
   }
 }
 
 TEST(AtRest, TheGyroscopeWitnessesTheAccelerometer) {
-  const auto truth = simulated(kPoses, "[{effect: acc_temp_scale, S_per_K: [3e-4, -2e-4, 3e-4]}]");
-  const auto d = diagnose_without_reference(recorded(truth, 4), simulated(kPoses));
-  const Finding* f = named(d, "acc_temp_scale");
+  const auto truth = test::without_reference(kPoses, "[{effect: acc_temp_scale, S_per_K: [3e-4, -2e-4, 3e-4]}]");
+  const auto d = diagnose_without_reference(recorded(truth, 4), test::without_reference(kPoses));
+  const Finding* f = test::finding(d, "acc_temp_scale");
   ASSERT_NE(f, nullptr) << d.summary;
-  EXPECT_NEAR(value(*f, "S_x"), 3e-4, 5e-5);
-  EXPECT_NEAR(value(*f, "S_y"), -2e-4, 5e-5);
+  EXPECT_NEAR(test::parameter(*f, "S_x").value, 3e-4, 5e-5);
+  EXPECT_NEAR(test::parameter(*f, "S_y").value, -2e-4, 5e-5);
 }
 
 TEST(AtRest, AStepOfTheFieldIsFoundToTheRow) {
-  const auto truth = simulated(kHand, "[{effect: mag_field_step, b_world_uT: [9, -6, 10], t0_s: 23.457}]");
+  const auto truth =
+      test::without_reference(kHand, "[{effect: mag_field_step, b_world_uT: [9, -6, 10], t0_s: 23.457}]");
   io::Recording r = recorded(truth, 5);
   for (std::int64_t& t : r.t_ns) t += 1'000'000'000'000;  // a clock that was not set to zero
-  const auto d = diagnose_without_reference(r, simulated(kHand));
+  const auto d = diagnose_without_reference(r, test::without_reference(kHand));
   ASSERT_EQ(d.findings.size(), 1U) << d.summary;
   EXPECT_EQ(d.findings[0].effect, "mag_field_step");
   EXPECT_EQ(d.verdict, Verdict::kExplained) << d.summary;
-  EXPECT_NEAR(value(d.findings[0], "t0"), 23.457, 0.011);  // as in a simulation, which begins at zero
+  EXPECT_NEAR(test::parameter(d.findings[0], "t0").value, 23.457, 0.011);  // as in a simulation, which begins at zero
   EXPECT_NEAR(d.findings[0].interval_s[0], 1023.457, 0.011);
   EXPECT_EQ(diagnose_without_reference(r, truth).verdict, Verdict::kNoMismatch);
 }
 
 /// Of 60 Hz at 100 rows a second 40 are read.
 TEST(LinesAtRest, AreNamedWithFrequencySizeAndPhase) {
-  const auto truth = simulated(kHand, "[{effect: gyr_alias, b_radps: [0.004, 0, -0.002], f_hz: 60, phase_rad: 0.7}]");
+  const auto truth =
+      test::without_reference(kHand, "[{effect: gyr_alias, b_radps: [0.004, 0, -0.002], f_hz: 60, phase_rad: 0.7}]");
   const auto r = recorded(truth, 6);
-  const auto d = diagnose_without_reference(r, simulated(kHand));
+  const auto d = diagnose_without_reference(r, test::without_reference(kHand));
   ASSERT_EQ(d.findings.size(), 1U) << d.summary;
   ASSERT_EQ(d.findings[0].effect, "gyr_alias");
-  EXPECT_NEAR(value(d.findings[0], "f"), 40.0, 0.01);
+  EXPECT_NEAR(test::parameter(d.findings[0], "f").value, 40.0, 0.01);
   // As an entry of the simulation it makes the same readings.
-  auto improved = simulated(kHand);
+  auto improved = test::without_reference(kHand);
   improved.effects.push_back(effect_of(d.findings[0]).value());
   EXPECT_EQ(diagnose_without_reference(r, improved).verdict, Verdict::kNoMismatch);
   const auto added = [](const sim::SimulationConfig& config) {
-    return Vec3(recorded(config, 9).gyr_radps[1234] - recorded(simulated(kHand), 9).gyr_radps[1234]);
+    return Vec3(recorded(config, 9).gyr_radps[1234] - recorded(test::without_reference(kHand), 9).gyr_radps[1234]);
   };
   EXPECT_LT((added(improved) - added(truth)).norm(), 0.0005);
 }
 
 TEST(LinesAtRest, AFlipOfPolarityIsNoLine) {
-  const auto truth = simulated(kHand, "[{effect: mag_flip, b_uT: [0.5, 0.3, -0.4]}]");
-  const auto d = diagnose_without_reference(recorded(truth, 7), simulated(kHand));
+  const auto truth = test::without_reference(kHand, "[{effect: mag_flip, b_uT: [0.5, 0.3, -0.4]}]");
+  const auto d = diagnose_without_reference(recorded(truth, 7), test::without_reference(kHand));
   ASSERT_EQ(d.findings.size(), 1U) << d.summary;
   EXPECT_EQ(d.findings[0].effect, "mag_flip");
 }
 
 TEST(LinesAtRest, WhatShakesTheBodyIsToldAndNotNamed) {
-  const auto truth = simulated(kHand,
-                               "[{effect: gyr_alias, b_radps: [0.004, 0, 0], f_hz: 17}, "
-                               "{effect: acc_alias, b_mps2: [0, 0.05, 0], f_hz: 17}]");
-  const auto d = diagnose_without_reference(recorded(truth, 8), simulated(kHand));
+  const auto truth = test::without_reference(kHand,
+                                             "[{effect: gyr_alias, b_radps: [0.004, 0, 0], f_hz: 17}, "
+                                             "{effect: acc_alias, b_mps2: [0, 0.05, 0], f_hz: 17}]");
+  const auto d = diagnose_without_reference(recorded(truth, 8), test::without_reference(kHand));
   EXPECT_TRUE(d.findings.empty()) << d.summary;
   EXPECT_TRUE(std::any_of(d.notices.begin(), d.notices.end(),
                           [](const std::string& n) { return n.find("shakes the body") != std::string::npos; }));
@@ -116,7 +99,7 @@ TEST(LinesAtRest, WhatShakesTheBodyIsToldAndNotNamed) {
 
 /// The element clips, and noise is added after it.
 io::Recording clipped(double level_radps) {
-  io::Recording r = recorded(simulated(kHand), 9);
+  io::Recording r = recorded(test::without_reference(kHand), 9);
   std::mt19937_64 engine(1);
   std::normal_distribution<double> noise(0.0, 0.0005);
   for (Vec3& w : r.gyr_radps)
@@ -126,8 +109,8 @@ io::Recording clipped(double level_radps) {
 }
 
 TEST(NoisyRail, IsNamedWhereTurnsAreCutOff) {
-  const auto d = diagnose_without_reference(clipped(1.2), simulated(kHand));
-  const Finding* f = named(d, "gyr_sat");
+  const auto d = diagnose_without_reference(clipped(1.2), test::without_reference(kHand));
+  const Finding* f = test::finding(d, "gyr_sat");
   ASSERT_NE(f, nullptr) << d.summary;
   EXPECT_EQ(d.verdict, Verdict::kPartlyExplained);
   for (const Parameter& p : f->parameters) EXPECT_NEAR(std::abs(p.value), 1.2, 0.001) << p.name;
@@ -135,9 +118,9 @@ TEST(NoisyRail, IsNamedWhereTurnsAreCutOff) {
 
 /// A turntable stands at one rate as a rail does, but nothing is missing.
 TEST(NoisyRail, IsNoSteadyRate) {
-  const auto config = simulated("{kind: turntable, duration_s: 60}");
+  const auto config = test::without_reference("{kind: turntable, duration_s: 60}");
   const auto r = recorded(config, 9);
-  EXPECT_EQ(named(diagnose_without_reference(r, config), "gyr_sat"), nullptr);
+  EXPECT_EQ(test::finding(diagnose_without_reference(r, config), "gyr_sat"), nullptr);
 }
 
 /// A swell: 1 degree in 8 s, read by gyroscope and accelerometer.

@@ -44,6 +44,16 @@ inline sim::SimulationConfig with_law(const std::string& effects, const std::str
                 effects);
 }
 
+/// A recording without a reference, over 15 K; `surroundings`: further entries of `environment:`.
+inline sim::SimulationConfig without_reference(const std::string& motion, const std::string& effects = "[]",
+                                               const std::string& surroundings = "") {
+  return parsed(
+      "rate_hz: 100\naccelerometer: {noise_mps2: 0.005}\ngyroscope: {noise_radps: 0.0005}\n"
+      "magnetometer: {noise_uT: 0.2}\nreference: {kind: none}\n"
+      "environment: {temperature: {kind: warm_up, rise_K: 15}" +
+      surroundings + "}\nmotion: " + motion + "\neffects: " + effects + "\n");
+}
+
 /// The recording of `config` with one effect more; none when `id` is empty.
 inline io::Recording record(sim::SimulationConfig config, const std::string& id, const Parameters& parameters,
                             std::uint64_t seed) {
@@ -63,10 +73,20 @@ void turn_reference(io::Recording& r, const Turn& at, bool in_world = false) {
 }
 
 /// Of this effect; null where it was not found.
-inline const Finding* finding(const Answer& answer, const std::string& id) {
-  for (const Finding& f : answer.diagnosis.findings)
+inline const Finding* finding(const Diagnosis& diagnosis, const std::string& id) {
+  for (const Finding& f : diagnosis.findings)
     if (f.effect == id) return &f;
   return nullptr;
+}
+inline const Finding* finding(const Answer& answer, const std::string& id) { return finding(answer.diagnosis, id); }
+
+/// A number of it.
+inline const Parameter& parameter(const Finding& f, const std::string& name) {
+  for (const Parameter& p : f.parameters)
+    if (p.name == name) return p;
+  ADD_FAILURE() << f.effect << " has no " << name;
+  static const Parameter none{};
+  return none;
 }
 
 inline std::vector<std::string> names(const Diagnosis& diagnosis) {
