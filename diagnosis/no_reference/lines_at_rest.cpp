@@ -240,6 +240,7 @@ bool is_given(const sim::SimulationConfig& simulation, Sensor sensor) {
 LinesAtRest find_lines_at_rest(const io::Recording& recording, const sim::SimulationConfig& simulation,
                                const std::vector<RestWindow>& rest, const std::vector<std::string>& without) {
   LinesAtRest out{{}, {}, recording};
+  if (rest.empty()) return out;
   std::array<std::optional<Line>, 3> lines;
   for (const Sensor s : {kAcc, kGyr, kMag})
     if (const auto* simulated = triad(simulation, s);
