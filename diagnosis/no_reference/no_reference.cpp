@@ -140,9 +140,9 @@ bool state_drift(const SelfConsistency& model, const sim::SimulationConfig& simu
   for (const Sensor s : {kGyr, kMag}) {
     const std::string id = fmt::format("{}_drift", kSensorName[s]);
     if (contains(simulation.effects, id)) continue;
-    if (s == kGyr && model.acceleration_at_rest_mps2() > kAccelerates_mps2)
-      continue;  // then rests disagree without one
     const double drift = detail::drift_score(model, s);
+    if (s == kGyr && drift >= detail::kAbstain_nats && model.acceleration_at_rest_mps2() > kAccelerates_mps2)
+      continue;  // then rests disagree without one
     d.ranking.push_back({id, drift});
     if (drift > most.first) most = {drift, s};
   }
@@ -192,7 +192,7 @@ void search(std::unique_ptr<SelfConsistency>& model, const sim::SimulationConfig
     }
     if (!r.best.model) return;
     const Candidate& c = r.best.candidate;
-    const detail::Agreement agreed = r.best.agreed();
+    const detail::Agreement& agreed = r.best.agreed();
     if (agreed.nats < detail::kAbstain_nats) return;
     Finding f = detail::describe(*r.best.model, c, agreed.sd, r.ranking);
     if (!(f.held_out.gain_nats > 1.0) || f.channels.empty()) return;

@@ -61,7 +61,7 @@ Trial instead_of(const Trial& other, const SelfConsistency& model, const sim::Si
 
 /// Of laws as good as each other the one with fewer numbers: where it leaves as little, or where offsets that wander
 /// leave nothing to choose.
-bool better(const Trial& one, const Trial& other) {
+bool better(Trial& one, Trial& other) {
   const std::size_t numbers = one.candidate.law->numbers(), of_other = other.candidate.law->numbers();
   if (numbers == of_other) return one.candidate.score > other.candidate.score;
   if (numbers > of_other) return !better(other, one);
@@ -71,6 +71,11 @@ bool better(const Trial& one, const Trial& other) {
 }
 
 }  // namespace
+
+const Agreement& Trial::agreed() {
+  if (!known) known = agreement(*model, candidate);
+  return *known;
+}
 
 bool bent(const SelfConsistency& model) { return model.dispersion() > kDispersion; }
 

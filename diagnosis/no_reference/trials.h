@@ -1,6 +1,7 @@
 /// A law is judged when it has been taken out of the readings, in a model of its own.
 #pragma once
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -20,8 +21,10 @@ struct Trial {
   std::unique_ptr<SelfConsistency> model;
   std::vector<WitnessedLaw> laws;
   Candidate candidate;
+  std::optional<Agreement> known{};  ///< agreed(), once it was asked for
 
-  [[nodiscard]] Agreement agreed() const { return agreement(*model, candidate); }
+  /// Of the model and the candidate as they stay.
+  [[nodiscard]] const Agreement& agreed();
 };
 
 /// The law that leaves least; none when the best is not worth its charges. How much each leaves shows only when it has
