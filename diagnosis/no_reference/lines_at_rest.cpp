@@ -14,6 +14,7 @@
 #include "diagnosis/no_reference/search.h"
 #include "diagnosis/reference/fast_length.h"
 #include "diagnosis/reference/lines.h"
+#include "diagnosis/reference/peaks.h"
 
 namespace stillpoint::diag::detail {
 namespace {

@@ -5,6 +5,8 @@
 #include <complex>
 #include <numbers>
 
+#include "diagnosis/reference/response.h"
+
 namespace stillpoint::diag {
 namespace {
 
@@ -17,13 +19,19 @@ constexpr double kOffElsewhere = 0.3;       // of the amplitude inside: what a l
 constexpr double kSensorsOwn = 0.5;         // half way between the reference's (0) and the sensor's (1)
 constexpr double kKnown = 0.25;             // two deviations on either side of that
 constexpr double kLineOverBeside = 12.0;    // power, of three axes and two phases: chance 1e-13
-constexpr int kNearest = 4, kFarthest = 9;  // bins beside the line that tell the reading's background
+constexpr double kLongBlock_s = 2.0;        // in which a weak line stands above the noise
+constexpr std::size_t kFewestBlocks = 6;
+constexpr double kOverNoise = 4.0;                    // of variances
+constexpr double kSwell = 0.15;                       // deviation of the amplitude, of itself
+constexpr double kIdles = 0.05, kIdlesClearly = 6.0;  // of the amplitude inside; deviations
+constexpr int kNearest = 4, kFarthest = 9;            // bins beside the line that tell the reading's background
 
 /// Sums of the line's phasor per block, with how many samples are in them.
 struct Demodulated {
   std::vector<Phasor> sum;      // cumulative
   std::vector<double> samples;  // cumulative
   Vec3 noise = Vec3::Zero();    // variance a sample, at this frequency
+  std::vector<double> beside;   // cumulative: squares of what is no line in its block
 };
 
 Demodulated demodulate(const Series3& x, const Layout& layout, const Series& t_s, double frequency_Hz,
@@ -31,15 +39,18 @@ Demodulated demodulate(const Series3& x, const Layout& layout, const Series& t_s
   Demodulated d;
   d.sum.emplace_back(Phasor::Zero());
   d.samples.push_back(0.0);
+  d.beside.push_back(0.0);
   Phasor last = Phasor::Zero();
   for (Eigen::Index begin = 0; begin < x.rows(); begin += block) {
     Phasor here = Phasor::Zero();
-    double n = 0.0;
+    double n = 0.0, power = 0.0;
     for (Eigen::Index i = begin; i < std::min(begin + block, x.rows()); ++i) {
       if (layout.present[i] == 0.0) continue;
       here += x.row(i).transpose() * std::polar(1.0, -2.0 * std::numbers::pi * frequency_Hz * t_s[i]);
       n += 1.0;
+      power += x.row(i).squaredNorm();
     }
+    d.beside.push_back(d.beside.back() + power - 2.0 * here.squaredNorm() / std::max(n, 1.0));
     d.sum.push_back(d.sum.back() + here);
     d.samples.push_back(d.samples.back() + n);
     if (begin > 0) d.noise += 0.5 * (here - last).cwiseAbs2();
@@ -59,6 +70,11 @@ double gain_of(const Demodulated& d, std::size_t first, std::size_t last) {
 double amplitude_of(const Demodulated& d, std::size_t first, std::size_t last) {
   const double n = d.samples[last] - d.samples[first];
   return n > 0 ? (d.sum[last] - d.sum[first]).norm() / n : 0.0;
+}
+
+double deviation_of_amplitude(const Demodulated& d, std::size_t first, std::size_t last) {
+  const double n = std::max(d.samples[last] - d.samples[first], 1.0);
+  return std::sqrt(0.5 * std::max(d.beside[last] - d.beside[first], 0.0)) / n;
 }
 
 /// Amplitude of a line in rows of a window, its ends tapered, muted rows left out.
@@ -95,6 +111,31 @@ struct Reading {
   }
 };
 
+/// The amplitude of blocks differs by more than noise, and by much.
+bool modulated(const Demodulated& d, std::size_t first, std::size_t last) {
+  std::vector<double> amplitude;
+  double noise = 0.0;
+  for (std::size_t b = first; b < last; ++b) {
+    if (d.samples[b + 1] == d.samples[b]) continue;
+    amplitude.push_back(amplitude_of(d, b, b + 1));
+    noise += deviation_of_amplitude(d, b, b + 1) * deviation_of_amplitude(d, b, b + 1);
+  }
+  const Eigen::Map<const Eigen::ArrayXd> a(amplitude.data(), static_cast<Eigen::Index>(amplitude.size()));
+  if (amplitude.size() < kFewestBlocks) return false;
+  const double spread = (a - a.mean()).square().mean(), mean_noise = noise / static_cast<double>(a.size());
+  return spread > kOverNoise * mean_noise && spread - mean_noise > kSwell * kSwell * a.mean() * a.mean();
+}
+
+/// Outside of its stretch it is weaker, and still there: an engine that idles.
+bool goes_on(const Demodulated& d, std::size_t first, std::size_t last) {
+  const double inside = amplitude_of(d, first, last);
+  const auto there = [&](std::size_t from, std::size_t to) {
+    const double a = from < to ? amplitude_of(d, from, to) : 0.0;
+    return a > kIdles * inside && a > kIdlesClearly * deviation_of_amplitude(d, from, to);
+  };
+  return there(0, first - 1) || there(last + 1, d.samples.size() - 1);
+}
+
 }  // namespace
 
 Window stretch_of_line(const Series3& left, const Layout& layout, const Series& t_s, double frequency_Hz,
@@ -122,6 +163,20 @@ bool stands_in_reading(const Signals& s, Sensor sensor, const Series3& left, con
   const Phasor of_residual = reading.at(left, frequency_Hz), of_reading = reading.at(s.reading[sensor], frequency_Hz);
   const double power = of_residual.squaredNorm(), share = of_residual.dot(of_reading).real() / power;
   return share > kSensorsOwn && std::sqrt(0.5 * reading.beside(frequency_Hz) / power) < kKnown;
+}
+
+bool swells(const Signals& s, Sensor sensor, const Layout& layout, const Window& window, double frequency_Hz) {
+  const Eigen::Index begin = window.local ? window.begin : 0, end = window.local ? window.end : s.n;
+  const Response motion = low_pass(frequency_Hz / 3.0);
+  const Series3 reading = apply_response(s.reading[sensor], s.rows, [&](double f) { return 1.0 - motion(f); });
+  for (const double block_s : {kBlock_s, kLongBlock_s}) {
+    const auto block = std::max<Eigen::Index>(1, std::lround(block_s / s.dt_s));
+    const Demodulated d = demodulate(reading, layout, s.t_s, frequency_Hz, block);
+    // Where the stretch begins and ends it fills no block.
+    const auto first = static_cast<std::size_t>(begin / block) + 1, last = static_cast<std::size_t>(end / block);
+    if (first + kFewestBlocks < last && (modulated(d, first, last - 1) || goes_on(d, first, last))) return true;
+  }
+  return false;
 }
 
 bool others_swing_too(const Signals& s, Sensor sensor, const Window& window, double frequency_Hz) {

@@ -18,4 +18,9 @@ namespace stillpoint::diag {
 /// them.
 [[nodiscard]] bool others_swing_too(const Signals& s, Sensor sensor, const Window& window, double frequency_Hz);
 
+/// Whether the line of the reading swells and fades while it stands, as a body's vibration does with the speed of its
+/// engine. What a sensor's electronics do is always the same, or gone.
+[[nodiscard]] bool swells(const Signals& s, Sensor sensor, const Layout& layout, const Window& window,
+                          double frequency_Hz);
+
 }  // namespace stillpoint::diag

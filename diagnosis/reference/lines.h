@@ -3,6 +3,7 @@
 /// for in the periodogram of the residual itself.
 #pragma once
 #include <optional>
+#include <string>
 #include <string_view>
 
 #include "diagnosis/reference/laws.h"
@@ -11,7 +12,8 @@
 namespace stillpoint::diag {
 
 /// acc_alias, gyr_alias or gyr_coning, mag_line; mag_flip where the line lies at half the sampling rate;
-/// kBodyVibration where the reference may not see it and another sensor does. The gain is left to the caller.
+/// kBodyVibration where the reference may not see it and it swells and fades, as no sensor's own line does, or another
+/// sensor swings, too. The gain is left to the caller.
 [[nodiscard]] std::optional<Found> line_in(const Signals& s, const SensorSearch& search);
 
 /// The same from a frequency on; where motion hides whose the sharpest is, the sharpest beyond a higher one.
@@ -20,24 +22,15 @@ namespace stillpoint::diag {
 /// A line that was found, at the frequency that explains most beside all else that was found since.
 void sharpen_line(const SensorSearch& without_it, Found& line);
 
+/// What is said of a kBodyVibration.
+[[nodiscard]] std::string vibration_notice(Sensor sensor, const Found& line);
+
 [[nodiscard]] inline bool is_line(std::string_view id) {
   return id.ends_with("_alias") || id.ends_with("_coning") || id == "mag_line" || id == kBodyVibration;
 }
 
 /// The sharpest line of these rows, if there is one: in the whole, or in a half or a quarter that it fills better.
 [[nodiscard]] std::optional<double> sharpest_line_Hz(const Series3& left, const Series& t_s, double step_s);
-
-/// The frequency within a bin of this one at which the three axes together swing most.
-[[nodiscard]] double refined_Hz(const Series3& x, const Series& t_s, double frequency_Hz, double bin_Hz,
-                                double half_rate_Hz);
-
-/// Nearer to half the rate no recording can tell a line from a flip from sample to sample. `bin_Hz`: of the whole.
-[[nodiscard]] inline bool is_flip(double frequency_Hz, double bin_Hz, double half_rate_Hz) {
-  return half_rate_Hz - frequency_Hz < 0.25 * bin_Hz;
-}
-
-/// Whether lines stand at even steps below this one, too: the harmonics of something periodic, such as walking.
-[[nodiscard]] bool is_a_harmonic(const Series3& x, double step_s, double frequency_Hz);
 
 /// Frequency of a line that is sharp in the axes of the world, where the motion does not smear it; needs attitudes.
 [[nodiscard]] std::optional<double> line_in_world(const Signals& s, const SensorSearch& search);

@@ -8,6 +8,7 @@
 #include "diagnosis/reference/judge.h"
 #include "diagnosis/reference/lines.h"
 #include "diagnosis/reference/nameless.h"
+#include "diagnosis/reference/peaks.h"
 #include "diagnosis/reference/response.h"
 
 namespace stillpoint::diag {
@@ -36,7 +37,7 @@ SensorSearch lines_of(const Signals& s, Sensor k, double lowest, const std::vect
   search.target = make_target(s, k);
   search.t_s = s.t_s;
   if (vector_is_reading(s, k)) search.target.residual = beyond_motion(s, k);
-  while (search.found.size() < kMostLines) {
+  for (std::size_t tried = 0; tried < kMostLines; ++tried) {  // a second one may undo the first
     auto line = line_beyond(s, search, lowest);
     if (!line || std::find(without.begin(), without.end(), line->id) != without.end()) return search;
     if (is_a_harmonic(s.reading[k], s.dt_s, line->shape)) return search;
@@ -54,7 +55,10 @@ SensorSearch lines_of(const Signals& s, Sensor k, double lowest, const std::vect
 void tell(const Signals& s, const SensorSearch& search, const Finished& finished, Answer& answer) {
   for (std::size_t i = 0; i < search.found.size(); ++i) {
     const Found& f = search.found[i];
-    if (f.kind == Kind::kConfiguration) continue;
+    if (f.kind == Kind::kConfiguration) {
+      answer.diagnosis.notices.push_back(vibration_notice(search.sensor, f));
+      continue;
+    }
     answer.diagnosis.findings.push_back(finding_from(s, search, i, finished, held_out_by_regime(search, {i})));
     const auto count = static_cast<Eigen::Index>(f.columns.size());
     if (const auto e = to_effect(f, finished.values.segment(first_column(search, i), count), s))

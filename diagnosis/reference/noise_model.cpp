@@ -12,7 +12,8 @@ namespace {
 
 constexpr double kFewestRegime_s = 3.0, kFewestRegime = 300.0;  // fewer rows give no autoregression of their own
 constexpr double kBurst = 4.0;                                  // times the usual power of a block
-constexpr double kLeastCounted = 0.5;  // of the valid samples; a filter that leaves fewer between the holes is too long
+// Of the valid samples: a filter that leaves fewer between the holes is too long, one that is longer than usual sooner.
+constexpr double kLeastCounted = 0.5, kLeastCountedOfLong = 0.8;
 
 /// Levinson-Durbin on autocorrelations of lag 0..order. Returns the prediction coefficients.
 Eigen::VectorXd levinson(const Eigen::VectorXd& r) {
@@ -40,7 +41,7 @@ Eigen::VectorXd autocorrelation(const Layout& layout, const Eigen::ArrayXd& x) {
   Eigen::VectorXd r(layout.order + 1);
   for (Eigen::Index lag = 0; lag <= layout.order; ++lag) {
     r[lag] = (x.head(layout.n - lag) * x.tail(layout.n - lag)).sum();
-    if (layout.order < kAutoregressiveOrder)
+    if (layout.shortened)
       r[lag] *= there.sum() / std::max((there.head(layout.n - lag) * there.tail(layout.n - lag)).sum(), 1.0);
   }
   return r;
@@ -56,6 +57,15 @@ bool rows_are_lost(const Signals& s, Sensor sensor) {
     shared += std::all_of(s.muted.begin(), s.muted.end(), [i](const Mask& muted) { return muted.empty() || muted[i]; });
   }
   return 2 * shared > holes;
+}
+
+/// Of a camera's error the residual holds derivatives, next to nothing of them below a hertz: to know that takes a
+/// memory of a third of a second.
+int order_for(const Signals& s, Sensor sensor) {
+  constexpr double kMemory_s = 0.32;
+  constexpr long kLongest = 64;
+  if (sensor == kMag || s.exact_reference || s.from_log) return kAutoregressiveOrder;
+  return static_cast<int>(std::clamp<long>(std::lround(kMemory_s / s.dt_s), kAutoregressiveOrder, kLongest));
 }
 
 /// A sample counts when it is there with all that the filter takes before it.
@@ -92,9 +102,13 @@ Layout make_layout(const Signals& s, Sensor sensor) {
     if (i > 0) layout.segments.back().end = i;
     layout.segments.push_back({i, s.n, regime_of(i)});
   }
-  for (; layout.order > 0; layout.order = rows_are_lost(s, sensor) ? layout.order / 2 : 0) {
+  layout.order = order_for(s, sensor);
+  while (layout.order > 0) {
+    const bool usual = layout.order <= kAutoregressiveOrder;
     count_samples(layout);
-    if (layout.used() >= kLeastCounted * layout.present.sum()) return layout;
+    if (layout.used() >= (usual ? kLeastCounted : kLeastCountedOfLong) * layout.present.sum()) return layout;
+    layout.shortened = usual;
+    layout.order = !usual || rows_are_lost(s, sensor) ? layout.order / 2 : 0;
   }
   layout.counts = layout.present;
   return layout;

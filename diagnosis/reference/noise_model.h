@@ -25,6 +25,7 @@ struct Layout {
   Eigen::ArrayXd present;  ///< 1: the raw sample is valid
   int regimes = 1;
   int order = kAutoregressiveOrder;
+  bool shortened = false;    ///< the order, for the holes
   Eigen::Index block = 100;  ///< samples of one scale block
   [[nodiscard]] double used() const { return counts.sum(); }
 };

@@ -11,9 +11,10 @@ namespace stillpoint::diag {
 namespace {
 
 constexpr double kImitated = 0.25;  // of a resonance's power: what its own noise may have made
-// Gravity is told from a scale by the reference's translation alone, and that has a scale of its own: a wand's length,
-// a clock's rate twice, what is smoothed off a stroke.
-constexpr double kTranslationScale = 3e-4;
+// Gravity is told from a scale by the reference's translation alone, and that has a scale of its own: a clock's rate
+// twice, and of a camera a wand's length and what lines between frames take off a stroke (at 3 Hz of 100 frames a
+// second a thousandth and a half).
+constexpr double kTranslationScale = 3e-4, kCamerasTranslationScale = 1e-3;
 constexpr double kMostOnEarth_mps2 = 0.2;
 
 /// The catalogue's entry of a law whose numbers are coefficients; nullptr: it is another kind of law.
@@ -65,7 +66,8 @@ bool possible(const Signals& s, const SensorSearch& search, const Found& law) {
   if (undo_one_another(law, fit.theta.tail(count))) return false;
   if (law.id == "acc_gravity") {
     const double dg = std::abs(fit.theta.tail(count)[0]), sd = std::sqrt(fit.covariance.diagonal().tail(count)[0]);
-    return dg > 2.0 * std::hypot(sd, kTranslationScale * s.gravity_mps2) && dg < kMostOnEarth_mps2;
+    const double scale = s.exact_reference ? kTranslationScale : kCamerasTranslationScale;
+    return dg > 2.0 * std::hypot(sd, scale * s.gravity_mps2) && dg < kMostOnEarth_mps2;
   }
   return may_be_of_a_part(*info, law.names, fit.theta.tail(count),
                           fit.covariance.diagonal().tail(count).cwiseMax(0.0).cwiseSqrt());

@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "diagnosis/reference/fitted_matrix.h"
+#include "diagnosis/reference/lines.h"
 
 namespace stillpoint::diag {
 namespace {
@@ -87,10 +88,7 @@ void configuration_of(const Signals& s, const SensorSearch& search, const Finish
   const std::string sensor = kSensorName[search.sensor];
   for (const Found& f : search.found)
     if (f.id == kBodyVibration)
-      out.notices.push_back(
-          fmt::format("{}: swings at {:.4g} Hz, and so does another sensor: the body vibrates there, or at a frequency "
-                      "that the rows fold there, and the reference does not see it; allowed for",
-                      sensor, f.shape));
+      out.notices.push_back(vibration_notice(search.sensor, f));
     else if (f.id == kSmoothedReference)
       out.notices.push_back(fmt::format(
           "reference: its attitudes are smoothed, or drawn as lines between slower frames; allowed for in {}", sensor));

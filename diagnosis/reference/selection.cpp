@@ -131,7 +131,9 @@ void keep_moments(const std::vector<Found>& refined, SensorSearch& search) {
 std::optional<Found> nameless_instead(const Signals& s, const SensorSearch& search, const std::vector<Found>& sorted) {
   const auto plain =
       std::find_if(sorted.begin(), sorted.end(), [](const Found& f) { return f.id == kPlainOffset && f.window.local; });
-  if (plain == sorted.end() || !pays(s, search, *plain)) return std::nullopt;
+  if (plain == sorted.end() || !pays(s, search, *plain) ||
+      is_a_trace_of_the_cameras(s, search, *plain, fit_beside(search, *plain)))
+    return std::nullopt;
   return *plain;
 }
 
@@ -147,6 +149,7 @@ std::optional<Found> chosen(const Signals& s, const SensorSearch& search, const 
     const Fit beside = best->offset.size() ? Fit{} : fit_beside(search, *best);  // a timing law has no use for it
     if (robust_nats(search, *best, beside) < charge(best->names.size(), best->window)) return std::nullopt;
     if (is_unknown(best->id) && !varies(search, *best, beside)) return std::nullopt;
+    if (is_a_trace_of_the_cameras(s, search, *best, beside)) return std::nullopt;
     // Half a milliradian of a camera's calibration is as large as a good magnetometer's noise, and turns gravity by
     // more than temperature moves a good accelerometer: no name is stated of it.
     const bool may_be_the_camera = search.sensor == kMag || (is_unknown(best->id) && !best->window.local) ||

@@ -4,12 +4,14 @@
 #include <numbers>
 
 #include "core/cross_rows.h"
+#include "diagnosis/reference/columns.h"
 
 namespace stillpoint::diag {
 namespace {
 
-constexpr int kHarmonics = 8;          // of the recording's length: turns of more than 15 s a minute
-constexpr int kMostTurns = 24;         // where it was seen to wander: what was not seen of it is still there
+constexpr int kHarmonics = 8;   // of the recording's length: turns of more than 15 s a minute
+constexpr int kMostTurns = 24;  // where it was seen to wander: what was not seen of it is still there
+constexpr double kTrace = 0.02;
 constexpr double kWanders_rad = 3e-3;  // cameras keep their calibration to half a milliradian, markers on skin do not
 
 /// phi(t) x v, phi a sum of cosines over the recording; its mean is a wrong matrix.
@@ -27,11 +29,17 @@ Columns slow_turns(const Signals& s, Sensor sensor) {
   return out;
 }
 
+/// Another constant field than the configured one is no physics; what moves with the body may look like it.
+Columns another_field(const Signals& s, const SensorSearch& search, const Found& law) {
+  return search.sensor == kMag && law.kind != Kind::kConfiguration ? world_fixed(s) : Columns{};
+}
+
 }  // namespace
 
 bool stands_beside_wandering(const Signals& s, const SensorSearch& search, const Found& law) {
   if (s.exact_reference || law.offset.size()) return true;
-  const Columns without = joined(search.explained(), slow_turns(s, search.sensor));
+  const Columns without =
+      joined(search.explained(), joined(another_field(s, search, law), slow_turns(s, search.sensor)));
   const Target t = search.beside_walk();
   const double gain =
       fit_profile(t, joined(without, law.columns)).log_likelihood - fit_profile(t, without).log_likelihood;
@@ -47,6 +55,13 @@ bool walks_beside_wandering(const Signals& s, const SensorSearch& search, double
 bool as_small_as_wandering(const Signals& s, const SensorSearch& search, const Found& law, const Fit& beside) {
   if (s.exact_reference || law.offset.size()) return false;
   return beyond_matrix(search, effect_of(law, beside)).norm() < kWanders_rad * s.vector[search.sensor].norm();
+}
+
+bool is_a_trace_of_the_cameras(const Signals& s, const SensorSearch& search, const Found& law, const Fit& beside) {
+  if (s.exact_reference || s.from_log || !is_unknown(law.id) || law.offset.size()) return false;
+  const Series3 alone = effect_of(law, beside), effect = beyond_matrix(search, alone);
+  const Series acts = (alone.rowwise().squaredNorm().array() > 0.0).cast<double>();
+  return effect.norm() < kTrace * (acts.asDiagonal() * beside.leftover).norm();
 }
 
 }  // namespace stillpoint::diag

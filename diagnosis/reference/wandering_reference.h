@@ -15,4 +15,9 @@ namespace stillpoint::diag {
 [[nodiscard]] bool as_small_as_wandering(const Signals& s, const SensorSearch& search, const Found& law,
                                          const Fit& beside);
 
+/// Whether an unknown law does next to nothing beside what a noisy reference leaves over, in the rows where it acts:
+/// its errors are not white, and a trace of them goes along with some product of drivers.
+[[nodiscard]] bool is_a_trace_of_the_cameras(const Signals& s, const SensorSearch& search, const Found& law,
+                                             const Fit& beside);
+
 }  // namespace stillpoint::diag

@@ -15,7 +15,7 @@ constexpr int kPhases = 16;               // of a frame
 constexpr Eigen::Index kBlock = 48;       // rows
 constexpr std::size_t kBlocks = 4;        // those that bend most
 constexpr std::size_t kBlocksSharpened = 60;
-constexpr double kMeets = 0.3;       // rms off the chords over that with frames half a step off; 1 for any curve
+constexpr double kMeets = 0.3;       // rms off the chords over that with other frames; 1 for any curve
 constexpr double kTurnsMeet = 0.1;   // a vibration comes near that, but not in place and attitude with one clock
 constexpr double kAmplified = 30.0;  // variance of a frame over that of a row: left out beyond
 constexpr int kShapes = 2;           // rounds in which the chord's form follows from how far frames are apart
@@ -141,7 +141,7 @@ double off(const std::vector<Stretch<N>>& all, const Clock& clock,
   return sum;
 }
 
-Clock half_a_step_later(const Clock& clock) { return {clock.middle_s + 0.5 * clock.step_s, clock.step_s}; }
+Clock later(const Clock& clock, double steps) { return {clock.middle_s + steps * clock.step_s, clock.step_s}; }
 
 /// Downhill in the phase and in the step, over rows that reach `reach_s` from the frame in the middle.
 template <int N>
@@ -199,7 +199,9 @@ std::vector<Stretch<N>> within(const std::vector<Stretch<N>>& all, double middle
 template <int N>
 bool meets(const std::vector<Stretch<N>>& all, const Clock& clock) {
   constexpr double kLeast = N == 4 ? kTurnsMeet : kMeets;
-  return off(all, clock) < kLeast * kLeast * off(all, half_a_step_later(clock));
+  // With two rows a frame, as far from its ends, those half a step off meet them nearly as well.
+  const double others = std::max(off(all, later(clock, 0.25)), off(all, later(clock, 0.5)));
+  return off(all, clock) < kLeast * kLeast * others;
 }
 
 template <int N>
@@ -224,11 +226,11 @@ std::vector<Stretch<N>> bent_blocks(const std::vector<Stretch<N>>& all) {
   return out;
 }
 
-/// A curve's bend goes on from row to row; that of chords jumps. Tells most references that were never drawn apart.
+/// A curve's bend changes slowly; that of chords up and down. Tells most references that were never drawn apart.
 template <int N>
 bool jumps(const Stretch<N>& block) {
-  const Column<N> bend = bends(block);
-  return (bend.bottomRows(kBlock - 3) - bend.topRows(kBlock - 3)).squaredNorm() > 0.2 * bend.squaredNorm();
+  const Column<N> bend = bends(block), change = bend.bottomRows(kBlock - 3) - bend.topRows(kBlock - 3);
+  return (change.bottomRows(kBlock - 4) - change.topRows(kBlock - 4)).squaredNorm() > 0.5 * change.squaredNorm();
 }
 
 template <int N>

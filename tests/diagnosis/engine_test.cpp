@@ -162,6 +162,16 @@ TEST(Engine, TellsAFlipFromALineWhateverTheNumberOfRows) {
   EXPECT_EQ(parities.size(), 2u);
 }
 
+/// A third of a cycle in the whole recording below half the rate: it beats with its own fold as if it were switched.
+TEST(Engine, TellsALineBesideHalfTheRateFromAFlip) {
+  const auto config = baseline("exact", 60.0);
+  const double f_Hz = 25.0 - 0.33 / 60.0;
+  const test::Parameters line{{"b_uT", {0.7, -0.2, -0.9}}, {"f_hz", {f_Hz}}, {"phase_rad", {0.56}}};
+  const Answer answer = diagnose(record(config, "mag_line", line, 9), config);
+  ASSERT_THAT(names(answer), testing::ElementsAre("mag_line"));
+  EXPECT_NEAR(test::parameter(answer.diagnosis.findings[0], "f").value, f_Hz, 5e-4);
+}
+
 /// Bias and matrix are free, so what begins late might as well have been there before with the other sign. Two sealed
 /// cases in which chance prefers that, by a fraction of a nat.
 TEST(Engine, AStepChangesWhatComesAfterItAndNotWhatCameBefore) {

@@ -29,13 +29,14 @@ struct Camera {
   double frame_s = 0.0;
   double noise = 0.0;
   std::function<Quat(double, const Quat&, const Quat&)> between;
+  double phase_s = kPhase_s;
 
   [[nodiscard]] Vec3 jitter(long frame) const {
     std::mt19937_64 engine(static_cast<std::uint64_t>(frame + 1000));
     std::normal_distribution<double> normal(0.0, noise);
     return {normal(engine), normal(engine), normal(engine)};
   }
-  [[nodiscard]] double time(long frame) const { return kPhase_s + frame_s * static_cast<double>(frame); }
+  [[nodiscard]] double time(long frame) const { return phase_s + frame_s * static_cast<double>(frame); }
   [[nodiscard]] Vec3 places(long frame) const { return place(time(frame)) + jitter(frame); }
   [[nodiscard]] Quat turns(long frame) const {
     const Vec3 off = 0.5 * jitter(frame);
@@ -55,7 +56,7 @@ io::Recording drawn(const Camera& camera, std::size_t rows = 3001) {
   for (std::size_t i = 0; i < rows; ++i) {
     const double t = kStep_s * static_cast<double>(i);
     r.t_ns.push_back(std::llround(1e9 * t));
-    const long frame = std::lround(std::floor((t - kPhase_s) / camera.frame_s));
+    const long frame = std::lround(std::floor((t - camera.phase_s) / camera.frame_s));
     const double share = (t - camera.time(frame)) / camera.frame_s;
     const Vec3 p = (1.0 - share) * camera.places(frame) + share * camera.places(frame + 1);
     r.ref_position_m.push_back(p.unaryExpr(printed));
@@ -70,7 +71,7 @@ void expect_its_frames(const FramesOffRows& found, const Camera& camera) {
   ASSERT_GT(found.turns_t_s.size(), 0.9 * 30.0 / camera.frame_s);
   ASSERT_EQ(found.turns_t_s.size(), found.turns_world_body.size());
   for (std::size_t k = 0; k < found.turns_t_s.size(); ++k) {
-    const long frame = std::lround((found.turns_t_s[k] - kPhase_s) / camera.frame_s);
+    const long frame = std::lround((found.turns_t_s[k] - camera.phase_s) / camera.frame_s);
     EXPECT_NEAR(found.turns_t_s[k], camera.time(frame), 1e-5) << k;
     const Quat q = camera.turns(frame);
     const Eigen::Vector4d its(q.w(), q.x(), q.y(), q.z()), read = found.turns_world_body[k];
@@ -78,7 +79,7 @@ void expect_its_frames(const FramesOffRows& found, const Camera& camera) {
     EXPECT_LT(std::min((read - its).norm(), (read + its).norm()), 2e-5) << k;
   }
   for (std::size_t k = 0; k < found.places_t_s.size(); ++k) {
-    const long frame = std::lround((found.places_t_s[k] - kPhase_s) / camera.frame_s);
+    const long frame = std::lround((found.places_t_s[k] - camera.phase_s) / camera.frame_s);
     EXPECT_LT((found.places_m[k] - camera.places(frame)).norm(), 1e-5) << k;
   }
 }
@@ -91,6 +92,16 @@ TEST(FramesOffRows, AreReadBackFromTheLinesBetweenThem) {
       ASSERT_TRUE(found) << rows_a_frame << " " << noise;
       expect_its_frames(*found, camera);
     }
+}
+
+/// Two rows on each line bend nearly alike where they are nearly as far from its ends.
+TEST(FramesOffRows, AreReadBackWhereverTheyFallBetweenTheRows) {
+  for (const double phase_s : {0.002, 0.0045, 0.005, 0.0055, 0.008}) {
+    const Camera camera{2.0 * kStep_s, 0.0, line_of_length_one, phase_s};
+    const auto found = frames_off_rows(drawn(camera));
+    ASSERT_TRUE(found) << phase_s;
+    expect_its_frames(*found, camera);
+  }
 }
 
 TEST(FramesOffRows, MayBeJoinedByGreatCircles) {

@@ -37,16 +37,48 @@ Signals rows() {
   return s;
 }
 
-TEST(LineEvidence, ALineThatLastsAWhileIsToldWithItsTimes) {
-  const Signals s = rows();
+Layout all_rows() {
   Layout layout;
   layout.n = kRows;
   layout.present = layout.counts = Eigen::ArrayXd::Ones(kRows);
+  return layout;
+}
+
+/// The line with an amplitude of its own at each time.
+template <class Amplitude>
+Series3 line_of(const Amplitude& at) {
+  Series3 x = line(0, kRows);
+  for (Eigen::Index i = 0; i < kRows; ++i) x.row(i) *= at(kStep_s * static_cast<double>(i));
+  return x;
+}
+
+TEST(LineEvidence, ALineThatLastsAWhileIsToldWithItsTimes) {
+  const Signals s = rows();
+  const Layout layout = all_rows();
   const Window w = stretch_of_line(noise(1) + line(1800, 4200), layout, s.t_s, kLine_Hz, kStep_s);
   ASSERT_TRUE(w.local);
   EXPECT_NEAR(static_cast<double>(w.begin), 1800.0, 100.0);
   EXPECT_NEAR(static_cast<double>(w.end), 4200.0, 100.0);
   EXPECT_FALSE(stretch_of_line(noise(2) + line(0, kRows), layout, s.t_s, kLine_Hz, kStep_s).local);
+}
+
+TEST(LineEvidence, AnEnginesSwellsAndFades) {
+  Signals s = rows();
+  const auto swelling = [&s](const Series3& reading, const Window& w = {}) {
+    s.reading[kGyr] = reading;
+    return swells(s, kGyr, all_rows(), w, kLine_Hz);
+  };
+  for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+    const Series3 n = noise(seed);
+    EXPECT_TRUE(swelling(n + line_of([](double t) { return 1.0 + 0.35 * std::sin(0.9 * t); }))) << seed;
+    EXPECT_TRUE(
+        swelling(0.3 * n + line_of([](double t) { return t > 18.0 && t < 42.0 ? 1.0 : 0.25; }), {true, 1800, 4200}))
+        << seed << ": it idles";
+    for (const double size : {0.1, 0.3, 1.0, 10.0}) {
+      EXPECT_FALSE(swelling(n + size * line(0, kRows))) << seed << " " << size;
+      EXPECT_FALSE(swelling(n + size * line(1820, 4170), {true, 1800, 4200})) << seed << " " << size << ": switched";
+    }
+  }
 }
 
 TEST(LineEvidence, TheReadingAloneShowsWhatTheSensorHas) {

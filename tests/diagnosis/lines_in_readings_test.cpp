@@ -53,6 +53,22 @@ TEST(LinesInReadings, WhatTwoSensorsSwingAtIsTheBodys) {
   EXPECT_THAT(test::names(diagnose(r, config)), Not(Contains(HasSubstr("alias"))));
 }
 
+/// As an engine does with its speed, or idling: no line of electronics.
+TEST(LinesInReadings, WhatSwellsAndFadesIsTheBodys) {
+  const auto config = sampled_at("mocap", 100, 60.0);
+  for (const bool idles : {false, true}) {
+    io::Recording r = test::record(config, "", {}, 27);
+    for (std::size_t i = 0; i < r.size(); ++i) {
+      const double t_s = r.t_s(i), driving = 0.5 * (std::tanh(t_s - 20.0) - std::tanh(t_s - 45.0));
+      const double size = idles ? 0.25 + 0.75 * driving : 1.0 + 0.35 * std::sin(0.8 * t_s);
+      r.acc_mps2[i] += size * swing(t_s, 22.37, {0.2, -0.1, 0.15});
+    }
+    const Answer answer = diagnose(r, config);
+    EXPECT_THAT(test::names(answer), Not(Contains(HasSubstr("alias")))) << idles;
+    EXPECT_THAT(answer.diagnosis.notices, Contains(HasSubstr("acc: swings at 22.37 Hz, more and less"))) << idles;
+  }
+}
+
 /// The accelerometer feels them up to half the rate, the gyroscope hardly.
 TEST(LinesInReadings, TheHarmonicsOfASteadyStepAreNone) {
   auto config = test::baseline("mocap", 60.0);

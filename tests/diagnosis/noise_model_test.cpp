@@ -33,6 +33,20 @@ TEST(NoiseModel, IsShorterWhereRowsAreLostAndWithoutMemoryWhereOneSensorsValuesA
   EXPECT_EQ(held.used(), 11'000);
 }
 
+TEST(NoiseModel, RemembersLongerWhatIsDerivedFromACamera) {
+  Signals s = with_holes(20'000, true);
+  const auto order = [&s](Sensor k, double dt_s) {
+    s.dt_s = dt_s;
+    return make_layout(s, k).order;
+  };
+  EXPECT_EQ(order(kAcc, 0.005), 64);
+  EXPECT_EQ(order(kGyr, 0.01), 32);
+  EXPECT_EQ(order(kGyr, 0.02), kAutoregressiveOrder);
+  EXPECT_EQ(order(kMag, 0.005), kAutoregressiveOrder) << "of attitudes themselves";
+  s.exact_reference = true;
+  EXPECT_EQ(order(kGyr, 0.005), kAutoregressiveOrder);
+}
+
 TEST(NoiseModel, LeavesOutTheBlocksThatHoldMoreThanNoise) {
   Signals s = with_holes(20'000, true);
   const Layout all = make_layout(s, kAcc);

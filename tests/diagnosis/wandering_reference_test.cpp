@@ -6,6 +6,7 @@
 
 #include <cmath>
 
+#include "diagnosis/reference/columns.h"
 #include "tests/diagnosis/simulated.h"
 
 namespace stillpoint::diag {
@@ -33,6 +34,28 @@ TEST(WanderingReference, ItsTurnsAreNoLaw) {
   EXPECT_TRUE(stands_beside_wandering(*s, search, product)) << "an exact reference does not turn";
 }
 
+/// A vehicle goes far: what its reference wanders by is then a gradient, where the configured field is wrong as well.
+TEST(WanderingReference, IsNoGradientBesideAFieldThatIsWrong) {
+  auto config = test::baseline("mocap", 60.0);
+  config.motion->kind = "vehicle";
+  config.magnetometer->noise_sd = 0.03;
+  io::Recording r = test::record(config, "", {}, 11);
+  test::turn_reference(r, [](double t) -> Vec3 { return std::sin(0.05 * t) * Vec3(1e-3, -1.5e-3, 2e-3); });
+  config.field_world_uT += Vec3(-0.5, 1.4, 0.2);
+  Result<Signals> s = make_signals(r, config, {});
+  ASSERT_TRUE(s);
+  const SensorSearch search = start_search(*s, kMag);
+  Found gradient;
+  gradient.id = "mag_gradient";
+  gradient.names = {"G_xx", "G_xy", "G_xz", "G_yy", "G_yz", "b_x", "b_y", "b_z"};
+  gradient.columns = gradient_columns(*s);
+  EXPECT_GT(fit_profile(search.beside_walk(), gradient.columns).log_likelihood -
+                fit_profile(search.beside_walk(), {}).log_likelihood,
+            50.0)
+      << "it fits";
+  EXPECT_FALSE(stands_beside_wandering(*s, search, gradient));
+}
+
 /// Markers that settle by two milliradians, beside sensors that are ten times as good.
 TEST(WanderingReference, NoSensorIsBlamedForIt) {
   const auto recorded = [](const std::string& effects, std::uint64_t seed) {
@@ -52,6 +75,30 @@ TEST(WanderingReference, NoSensorIsBlamedForIt) {
   EXPECT_TRUE(clean.effects.empty());
   const Answer true_law = recorded("  - {effect: law, sensor: mag, law: \"f_y * f_z\", k: [0.01, -0.02, 0.01]}", 1);
   EXPECT_THAT(test::names(true_law), testing::ElementsAre("unknown:f_y*f_z")) << "what it cannot have done";
+}
+
+/// Its errors are no white noise: a hundredth of them goes along with something.
+TEST(WanderingReference, NoUnknownLawIsStatedOfATraceOfItsErrors) {
+  const auto config = test::baseline("mocap", 60.0);
+  Result<Signals> s = make_signals(test::record(config, "", {}, 11), config, {});
+  ASSERT_TRUE(s);
+  SensorSearch search = start_search(*s, kAcc);
+  Found law;
+  law.id = "unknown:|w|";
+  law.names = {"k_x"};
+  law.columns = {{0, s->rate.rowwise().norm()}};
+  const double errors = search.target.residual.norm() / law.columns[0].x.norm();
+  for (const auto& [share, trace] : {std::pair{0.005, true}, {0.1, false}}) {
+    SensorSearch with = search;
+    with.target.residual.col(0) += share * errors * law.columns[0].x.col(0);
+    EXPECT_EQ(is_a_trace_of_the_cameras(*s, with, law, fit_beside(with, law)), trace) << share;
+    s->exact_reference = true;
+    EXPECT_FALSE(is_a_trace_of_the_cameras(*s, with, law, fit_beside(with, law)));
+    s->exact_reference = false;
+  }
+  law.id = "acc_quad";
+  EXPECT_FALSE(is_a_trace_of_the_cameras(*s, search, law, fit_beside(search, law)))
+      << "a law that sensors are known for";
 }
 
 TEST(WanderingReference, MayBeWhatASmallLawOfTheAccelerometerIsTakenFor) {
