@@ -20,6 +20,7 @@ constexpr double kTaper = 0.1;                      // of a stretch, at either e
 constexpr double kOverNear = 0.3 * kLeastOverMean;  // a resonance or the motion itself is broad, a line is not
 constexpr Eigen::Index kNear = 12;                  // bins on either side that say so
 constexpr double kStands = 12.0;                    // over a mean of 3: chance 2e-3 of three bins
+constexpr double kOverSkirt = 3.0;
 constexpr double kSlowestStep_Hz = 0.4, kFastestStep_Hz = 5.0;
 constexpr double kSameLine = 2.0;     // bins
 constexpr double kSpeedsShare = 0.3;  // of its speed, that an engine changes by
@@ -54,6 +55,11 @@ Series over_background(const Series3& x) {
   return sum;
 }
 
+double median_around(const Series& power, Eigen::Index bin) {
+  const Eigen::Index near = std::max<Eigen::Index>(bin - kNear, 0), far = std::min(bin + kNear, power.size() - 1);
+  return quantile(power.segment(near, far - near + 1), 0.5);
+}
+
 /// The strongest bin of these rows that stands alone.
 Peak strongest_line(const Series3& left, double step_s, double lowest_Hz) {
   const Series power = over_background(left);
@@ -63,11 +69,7 @@ Peak strongest_line(const Series3& left, double step_s, double lowest_Hz) {
   if (power.size() < lowest + kBand) return best;
   for (Eigen::Index at = lowest; at < power.size(); ++at) {
     if (power[at] < std::max(kLeastOverMean, best.over_background)) continue;
-    const Eigen::Index near = std::max<Eigen::Index>(at - kNear, 0), far = std::min(at + kNear, power.size() - 1);
-    std::vector<double> around(power.data() + near, power.data() + far + 1);
-    std::nth_element(around.begin(), around.begin() + static_cast<std::ptrdiff_t>(around.size() / 2), around.end());
-    if (power[at] >= kOverNear * around[around.size() / 2])
-      best = {static_cast<double>(at) * bin_Hz, power[at], bin_Hz};
+    if (power[at] >= kOverNear * median_around(power, at)) best = {static_cast<double>(at) * bin_Hz, power[at], bin_Hz};
   }
   return best;
 }
@@ -131,7 +133,9 @@ bool is_a_harmonic(const Series3& x, double step_s, double frequency_Hz) {
   const double bin_Hz = bin_width_Hz(n, step_s);
   const Eigen::Index at = std::lround(frequency_Hz / bin_Hz);
   const auto stands = [&power](Eigen::Index bin) {
-    return bin > 0 && bin + 1 < power.size() && power.segment(bin - 1, 3).maxCoeff() > kStands;
+    if (bin < 1 || bin + 1 >= power.size()) return false;
+    const double here = power.segment(bin - 1, 3).maxCoeff();
+    return here > kStands && here > kOverSkirt * median_around(power, bin);  // no skirt of a strong line
   };
   for (auto step = std::lround(kSlowestStep_Hz / bin_Hz); step < std::lround(kFastestStep_Hz / bin_Hz); ++step)
     if (stands(at - step) && stands(at - 2 * step) && stands(at - 3 * step)) return true;

@@ -65,7 +65,8 @@ TEST(LinesInReadings, WhatSwellsAndFadesIsTheBodys) {
     }
     const Answer answer = diagnose(r, config);
     EXPECT_THAT(test::names(answer), Not(Contains(HasSubstr("alias")))) << idles;
-    EXPECT_THAT(answer.diagnosis.notices, Contains(HasSubstr("acc: swings at 22.37 Hz, more and less"))) << idles;
+    if (idles) continue;  // in two pieces no law of one size is worth telling
+    EXPECT_THAT(answer.diagnosis.notices, Contains(HasSubstr("acc: swings at 22.37 Hz, more and less")));
   }
 }
 
