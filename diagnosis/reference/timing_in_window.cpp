@@ -12,9 +12,10 @@ constexpr double kLongest_s = 0.2;
 
 TimingLaw in_window(TimingLaw law, const Window& window) {
   if (!window.local) return law;
-  law.possible = [possible = std::move(law.possible)](const Eigen::VectorXd& p) {
-    return possible(p) && std::abs(p[0]) < kLongest_s;
-  };
+  if (law.names.front() == "tau")
+    law.possible = [possible = std::move(law.possible)](const Eigen::VectorXd& p) {
+      return possible(p) && std::abs(p[0]) < kLongest_s;
+    };
   law.delta = [delta = std::move(law.delta), window](const Eigen::VectorXd& p) {
     Series3 d = delta(p);
     d.topRows(window.begin).setZero();

@@ -11,6 +11,7 @@ namespace {
 
 constexpr int kHarmonics = 8;   // of the recording's length: turns of more than 15 s a minute
 constexpr int kMostTurns = 24;  // where it was seen to wander: what was not seen of it is still there
+// Of what it leaves over: laws that were there had a twelfth of it or more, those that were not a 150th at most.
 constexpr double kTrace = 0.02;
 constexpr double kWanders_rad = 3e-3;  // cameras keep their calibration to half a milliradian, markers on skin do not
 

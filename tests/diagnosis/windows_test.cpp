@@ -1,6 +1,7 @@
 /// What acts in a part of the recording only keeps its name, and its window.
 #include <gmock/gmock.h>
 
+#include "diagnosis/reference/timing_in_window.h"
 #include "tests/diagnosis/simulated.h"
 
 namespace stillpoint::diag {
@@ -34,6 +35,28 @@ TEST(Windows, ADelayOrAFilterThatIsSwitchedOnAndOffKeepsItsName) {
     EXPECT_NEAR(f.interval_s[0], kFrom_s, kRest_s) << id;
     EXPECT_NEAR(f.interval_s[1], kUntil_s, kRest_s) << id;
     EXPECT_NEAR(f.parameters.front().value, 0.008, 0.001) << id;
+  }
+}
+
+/// A quarter of a second is some other motion; the frequency of a resonance is no time.
+TEST(Windows, ADelayThatIsSwitchedOnIsNoLongerThanAFilter) {
+  const Result<Signals> s =
+      make_signals(test::record(test::baseline("exact", 60.0), "", {}, 7), test::baseline("exact"), {});
+  ASSERT_TRUE(s);
+  for (const TimingLaw& law : make_timing_laws(*s, kAcc, 0)) {
+    const auto at = [&](const Window& w, double x) {
+      Eigen::VectorXd numbers = Eigen::VectorXd::Constant(static_cast<Eigen::Index>(law.names.size()), 0.1);
+      numbers[0] = x;
+      return in_window(law, w).possible(numbers);
+    };
+    const Window window{true, 100, 900};
+    if (law.id == "acc_delay") {
+      EXPECT_TRUE(at(window, -0.1));
+      EXPECT_FALSE(at(window, 0.26));
+      EXPECT_TRUE(at({}, 0.26)) << "a clock that was never set";
+    } else if (law.id == "acc_resonance") {
+      EXPECT_TRUE(at(window, 20.0));
+    }
   }
 }
 
