@@ -1,6 +1,7 @@
 #include "diagnosis/reference/line_evidence.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <complex>
 #include <numbers>
@@ -21,17 +22,20 @@ constexpr double kKnown = 0.25;             // two deviations on either side of 
 constexpr double kLineOverBeside = 12.0;    // power, of three axes and two phases: chance 1e-13
 constexpr double kLongBlock_s = 2.0;        // in which a weak line stands above the noise
 constexpr std::size_t kFewestBlocks = 6;
-constexpr double kOverNoise = 4.0;                    // of variances
-constexpr double kSwell = 0.15;                       // deviation of the amplitude, of itself
-constexpr double kIdles = 0.05, kIdlesClearly = 6.0;  // of the amplitude inside; deviations
-constexpr int kNearest = 4, kFarthest = 9;            // bins beside the line that tell the reading's background
+// Of the noise of three axes and two phases on the quieter side, that changes an amplitude: a quarter and more.
+constexpr double kAlong = 0.35;
+constexpr double kShakes = 20.0;             // times the noise's power
+constexpr double kOverNoise = 4.0;           // of variances
+constexpr std::array<int, 2> kBeside{3, 4};  // bins of a block: beyond its taper's reach
+constexpr double kSwell = 0.15;              // deviation of the amplitude, of itself
+constexpr double kIdles = 0.05;              // of the amplitude inside
+constexpr int kNearest = 4, kFarthest = 9;   // bins beside the line that tell the reading's background
 
 /// Sums of the line's phasor per block, with how many samples are in them.
 struct Demodulated {
   std::vector<Phasor> sum;      // cumulative
   std::vector<double> samples;  // cumulative
   Vec3 noise = Vec3::Zero();    // variance a sample, at this frequency
-  std::vector<double> beside;   // cumulative: squares of what is no line in its block
 };
 
 Demodulated demodulate(const Series3& x, const Layout& layout, const Series& t_s, double frequency_Hz,
@@ -39,18 +43,15 @@ Demodulated demodulate(const Series3& x, const Layout& layout, const Series& t_s
   Demodulated d;
   d.sum.emplace_back(Phasor::Zero());
   d.samples.push_back(0.0);
-  d.beside.push_back(0.0);
   Phasor last = Phasor::Zero();
   for (Eigen::Index begin = 0; begin < x.rows(); begin += block) {
     Phasor here = Phasor::Zero();
-    double n = 0.0, power = 0.0;
+    double n = 0.0;
     for (Eigen::Index i = begin; i < std::min(begin + block, x.rows()); ++i) {
       if (layout.present[i] == 0.0) continue;
       here += x.row(i).transpose() * std::polar(1.0, -2.0 * std::numbers::pi * frequency_Hz * t_s[i]);
       n += 1.0;
-      power += x.row(i).squaredNorm();
     }
-    d.beside.push_back(d.beside.back() + power - 2.0 * here.squaredNorm() / std::max(n, 1.0));
     d.sum.push_back(d.sum.back() + here);
     d.samples.push_back(d.samples.back() + n);
     if (begin > 0) d.noise += 0.5 * (here - last).cwiseAbs2();
@@ -70,11 +71,6 @@ double gain_of(const Demodulated& d, std::size_t first, std::size_t last) {
 double amplitude_of(const Demodulated& d, std::size_t first, std::size_t last) {
   const double n = d.samples[last] - d.samples[first];
   return n > 0 ? (d.sum[last] - d.sum[first]).norm() / n : 0.0;
-}
-
-double deviation_of_amplitude(const Demodulated& d, std::size_t first, std::size_t last) {
-  const double n = std::max(d.samples[last] - d.samples[first], 1.0);
-  return std::sqrt(0.5 * std::max(d.beside[last] - d.beside[first], 0.0)) / n;
 }
 
 /// Amplitude of a line in rows of a window, its ends tapered, muted rows left out.
@@ -111,29 +107,63 @@ struct Reading {
   }
 };
 
-/// The amplitude of blocks differs by more than noise, and by much.
-bool modulated(const Demodulated& d, std::size_t first, std::size_t last) {
-  std::vector<double> amplitude;
-  double noise = 0.0;
-  for (std::size_t b = first; b < last; ++b) {
-    if (d.samples[b + 1] == d.samples[b]) continue;
-    amplitude.push_back(amplitude_of(d, b, b + 1));
-    noise += deviation_of_amplitude(d, b, b + 1) * deviation_of_amplitude(d, b, b + 1);
+/// What the sensor reads that is faster than half of a frequency or so. Where the reference is not to be compared it
+/// reads on: rows set aside would tear a line apart.
+Series3 without_motion(const Signals& s, Sensor sensor, double frequency_Hz) {
+  return apply_response(s.reading[sensor], s.rows,
+                        [motion = low_pass(frequency_Hz / 3.0)](double f) { return 1.0 - motion(f); });
+}
+
+/// A line in a block of rows, and what stands at frequencies beside it, on the side where no other line does: mean
+/// square.
+struct Block {
+  double amplitude = 0.0, beside2 = 0.0;
+};
+
+std::vector<Block> blocks_of(const Series3& x, const Series& t_s, double step_s, double frequency_Hz,
+                             Eigen::Index rows) {
+  const Mask none(static_cast<std::size_t>(x.rows()), 0);
+  const double bin_Hz = 1.0 / (static_cast<double>(rows) * step_s);
+  std::vector<Block> out;
+  for (Eigen::Index begin = 0; begin + rows <= x.rows(); begin += rows) {
+    const auto at = [&](double f) { return tapered(x, none, {true, begin, begin + rows}, t_s, f).norm(); };
+    const auto beside2 = [&](double side_Hz) {
+      double sum = 0.0;
+      for (const int bin : kBeside) sum += std::pow(at(frequency_Hz + bin * side_Hz), 2);
+      return sum / std::size(kBeside);
+    };
+    out.push_back({at(frequency_Hz), std::min(beside2(bin_Hz), beside2(-bin_Hz))});
   }
-  const Eigen::Map<const Eigen::ArrayXd> a(amplitude.data(), static_cast<Eigen::Index>(amplitude.size()));
-  if (amplitude.size() < kFewestBlocks) return false;
-  const double spread = (a - a.mean()).square().mean(), mean_noise = noise / static_cast<double>(a.size());
-  return spread > kOverNoise * mean_noise && spread - mean_noise > kSwell * kSwell * a.mean() * a.mean();
+  return out;
+}
+
+double mean_of(const std::vector<Block>& blocks, std::size_t first, std::size_t last, const auto& of) {
+  double sum = 0.0;
+  for (std::size_t b = first; b < last; ++b) sum += of(blocks[b]);
+  return sum / static_cast<double>(last - first);
+}
+
+/// The amplitudes differ by more than noise, and by much.
+bool modulated(const std::vector<Block>& blocks, std::size_t first, std::size_t last) {
+  if (last < first + kFewestBlocks) return false;
+  const double mean = mean_of(blocks, first, last, [](const Block& b) { return b.amplitude; });
+  const double spread2 =
+      mean_of(blocks, first, last, [mean](const Block& b) { return std::pow(b.amplitude - mean, 2); });
+  const double noise2 = mean_of(blocks, first, last, [](const Block& b) { return kAlong * b.beside2; });
+  return spread2 > kOverNoise * noise2 && spread2 - noise2 > kSwell * kSwell * mean * mean;
 }
 
 /// Outside of its stretch it is weaker, and still there: an engine that idles.
-bool goes_on(const Demodulated& d, std::size_t first, std::size_t last) {
-  const double inside = amplitude_of(d, first, last);
+bool goes_on(const std::vector<Block>& blocks, std::size_t first, std::size_t last) {
+  const auto power = [](const Block& b) { return b.amplitude * b.amplitude; };
+  const double inside2 = first < last ? mean_of(blocks, first, last, power) : 0.0;
   const auto there = [&](std::size_t from, std::size_t to) {
-    const double a = from < to ? amplitude_of(d, from, to) : 0.0;
-    return a > kIdles * inside && a > kIdlesClearly * deviation_of_amplitude(d, from, to);
+    if (to < from + kFewestBlocks) return false;
+    const double noise2 = mean_of(blocks, from, to, [](const Block& b) { return b.beside2; });
+    const double idle2 = mean_of(blocks, from, to, power) - noise2;
+    return idle2 > kIdles * kIdles * inside2 && idle2 > kOverNoise * noise2;
   };
-  return there(0, first - 1) || there(last + 1, d.samples.size() - 1);
+  return there(0, first > 0 ? first - 1 : 0) || there(last + 1, blocks.size());
 }
 
 }  // namespace
@@ -165,18 +195,33 @@ bool stands_in_reading(const Signals& s, Sensor sensor, const Series3& left, con
   return share > kSensorsOwn && std::sqrt(0.5 * reading.beside(frequency_Hz) / power) < kKnown;
 }
 
-bool swells(const Signals& s, Sensor sensor, const Layout& layout, const Window& window, double frequency_Hz) {
+bool swells(const Signals& s, Sensor sensor, const Window& window, double frequency_Hz) {
   const Eigen::Index begin = window.local ? window.begin : 0, end = window.local ? window.end : s.n;
-  const Response motion = low_pass(frequency_Hz / 3.0);
-  const Series3 reading = apply_response(s.reading[sensor], s.rows, [&](double f) { return 1.0 - motion(f); });
+  const Series3 x = without_motion(s, sensor, frequency_Hz);
   for (const double block_s : {kBlock_s, kLongBlock_s}) {
-    const auto block = std::max<Eigen::Index>(1, std::lround(block_s / s.dt_s));
-    const Demodulated d = demodulate(reading, layout, s.t_s, frequency_Hz, block);
+    const auto rows = std::max<Eigen::Index>(1, std::lround(block_s / s.dt_s));
+    const std::vector<Block> blocks = blocks_of(x, s.t_s, s.dt_s, frequency_Hz, rows);
     // Where the stretch begins and ends it fills no block.
-    const auto first = static_cast<std::size_t>(begin / block) + 1, last = static_cast<std::size_t>(end / block);
-    if (first + kFewestBlocks < last && (modulated(d, first, last - 1) || goes_on(d, first, last))) return true;
+    const auto first = static_cast<std::size_t>(begin / rows) + 1,
+               last = std::max(static_cast<std::size_t>(end / rows), first + 1) - 1;
+    if (modulated(blocks, first, last) || goes_on(blocks, first, last)) return true;
   }
   return false;
+}
+
+bool shakes_beside(const Signals& s, Sensor sensor, const Window& window, double frequency_Hz) {
+  constexpr double kHann = 1.5;  // of its weights: their squares' sum over that of rows of weight one
+  if (frequency_Hz < kMotionBand_Hz) return false;
+  const Window w = window.local ? window : Window{false, 0, s.n};
+  const auto rows = static_cast<double>(w.end - w.begin);
+  const Series3 x = without_motion(s, sensor, frequency_Hz);
+  const Mask none(static_cast<std::size_t>(s.n), 0);
+  double power = 0.0;
+  for (int bin = kNearest; bin <= kFarthest; ++bin)
+    for (const double sign : {-1.0, 1.0})
+      power += tapered(x, none, w, s.t_s, frequency_Hz + sign * bin / (rows * s.dt_s)).squaredNorm();
+  const double noise = 3.0 * kHann * s.noise_sd[sensor] * s.noise_sd[sensor] / rows;
+  return power > kShakes * noise * 2.0 * (kFarthest - kNearest + 1);
 }
 
 bool others_swing_too(const Signals& s, Sensor sensor, const Window& window, double frequency_Hz) {

@@ -20,7 +20,10 @@ namespace stillpoint::diag {
 
 /// Whether the line of the reading swells and fades while it stands, as a body's vibration does with the speed of its
 /// engine. What a sensor's electronics do is always the same, or gone.
-[[nodiscard]] bool swells(const Signals& s, Sensor sensor, const Layout& layout, const Window& window,
-                          double frequency_Hz);
+[[nodiscard]] bool swells(const Signals& s, Sensor sensor, const Window& window, double frequency_Hz);
+
+/// Whether the readings beside the line, faster than limbs and vehicles move, hold far more than the sensor's noise: a
+/// machine shakes the body there, at all frequencies and at that of the line.
+[[nodiscard]] bool shakes_beside(const Signals& s, Sensor sensor, const Window& window, double frequency_Hz);
 
 }  // namespace stillpoint::diag

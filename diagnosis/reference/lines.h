@@ -12,8 +12,8 @@
 namespace stillpoint::diag {
 
 /// acc_alias, gyr_alias or gyr_coning, mag_line; mag_flip where the line lies at half the sampling rate;
-/// kBodyVibration where the reference may not see it and it swells and fades, as no sensor's own line does, or another
-/// sensor swings, too. The gain is left to the caller.
+/// kBodyVibration where the reference may not see it and it swells and fades, as no sensor's own line does, another
+/// sensor swings, too, or a machine shakes the body beside it. The gain is left to the caller.
 [[nodiscard]] std::optional<Found> line_in(const Signals& s, const SensorSearch& search);
 
 /// The same from a frequency on; where motion hides whose the sharpest is, the sharpest beyond a higher one.

@@ -15,8 +15,9 @@ constexpr int kPhases = 16;               // of a frame
 constexpr Eigen::Index kBlock = 48;       // rows
 constexpr std::size_t kBlocks = 4;        // those that bend most
 constexpr std::size_t kBlocksSharpened = 60;
-constexpr double kMeets = 0.3;       // rms off the chords over that with other frames; 1 for any curve
-constexpr double kTurnsMeet = 0.1;   // a vibration comes near that, but not in place and attitude with one clock
+constexpr double kMeets = 0.3;  // rms off the chords over that with frames half a step off; 1 for any curve
+constexpr double kTurnsMeet =
+    0.1;  // by themselves: a vibration comes near that, but not in place and attitude with one clock
 constexpr double kAmplified = 30.0;  // variance of a frame over that of a row: left out beyond
 constexpr int kShapes = 2;           // rounds in which the chord's form follows from how far frames are apart
 
@@ -141,7 +142,7 @@ double off(const std::vector<Stretch<N>>& all, const Clock& clock,
   return sum;
 }
 
-Clock later(const Clock& clock, double steps) { return {clock.middle_s + steps * clock.step_s, clock.step_s}; }
+Clock half_a_step_later(const Clock& clock) { return {clock.middle_s + 0.5 * clock.step_s, clock.step_s}; }
 
 /// Downhill in the phase and in the step, over rows that reach `reach_s` from the frame in the middle.
 template <int N>
@@ -197,11 +198,8 @@ std::vector<Stretch<N>> within(const std::vector<Stretch<N>>& all, double middle
 }
 
 template <int N>
-bool meets(const std::vector<Stretch<N>>& all, const Clock& clock) {
-  constexpr double kLeast = N == 4 ? kTurnsMeet : kMeets;
-  // With two rows a frame, as far from its ends, those half a step off meet them nearly as well.
-  const double others = std::max(off(all, later(clock, 0.25)), off(all, later(clock, 0.5)));
-  return off(all, clock) < kLeast * kLeast * others;
+bool meets(const std::vector<Stretch<N>>& all, const Clock& clock, double least) {
+  return off(all, clock) < least * least * off(all, half_a_step_later(clock));
 }
 
 template <int N>
@@ -245,7 +243,7 @@ std::optional<Clock> clock_of(const std::vector<Stretch<N>>& all, double row_s) 
     // The step is known to a part of a frame over the rows seen: twice as many each time keeps count of the frames.
     for (double reach = row_s * kBlock; reach < 2.0 * whole_s; reach *= 2.0)
       clock = sharpened(within(all, clock.middle_s, reach), clock, reach);
-    if (meets(all, clock)) return clock;
+    if (meets(all, clock, N == 4 ? kTurnsMeet : kMeets)) return clock;
   }
   return std::nullopt;
 }
@@ -304,13 +302,13 @@ std::optional<FramesOffRows> frames_off_rows(const io::Recording& r) {
   const auto turns = stretches_of<4>(r, r.ref_q_world_body, row_s);
   const auto places = stretches_of<3>(r, r.ref_position_m, row_s);
   std::optional<Clock> clock = clock_of(places, row_s);  // its lines are straight
-  if (!clock || !meets(turns, *clock)) clock = clock_of(turns, row_s);
+  if (!clock || !meets(turns, *clock, kMeets)) clock = clock_of(turns, row_s);
   if (!clock) return std::nullopt;
   FramesOffRows out;
   out.step_s = clock->step_s;
   read_frames(turns, *clock, out.turns_t_s, out.turns_world_body);
   if (out.turns_t_s.empty()) return std::nullopt;  // rows too few between gaps to tell any frame
-  if (meets(places, *clock)) read_frames(places, *clock, out.places_t_s, out.places_m);
+  if (meets(places, *clock, kMeets)) read_frames(places, *clock, out.places_t_s, out.places_m);
   return out;
 }
 

@@ -66,7 +66,7 @@ TEST(LineEvidence, AnEnginesSwellsAndFades) {
   Signals s = rows();
   const auto swelling = [&s](const Series3& reading, const Window& w = {}) {
     s.reading[kGyr] = reading;
-    return swells(s, kGyr, all_rows(), w, kLine_Hz);
+    return swells(s, kGyr, w, kLine_Hz);
   };
   for (std::uint64_t seed = 1; seed <= 20; ++seed) {
     const Series3 n = noise(seed);
@@ -78,6 +78,21 @@ TEST(LineEvidence, AnEnginesSwellsAndFades) {
       EXPECT_FALSE(swelling(n + size * line(0, kRows))) << seed << " " << size;
       EXPECT_FALSE(swelling(n + size * line(1820, 4170), {true, 1800, 4200})) << seed << " " << size << ": switched";
     }
+  }
+}
+
+TEST(LineEvidence, AMachineShakesTheBodyBesideItsLine) {
+  Signals s = rows();
+  s.noise_sd[kGyr] = 1.0;
+  const auto shakes = [&s](const Series3& reading, double frequency_Hz) {
+    s.reading[kGyr] = reading;
+    return shakes_beside(s, kGyr, {}, frequency_Hz);
+  };
+  const Series3 slow = (1e3 * (2.0 * s.t_s.array()).sin()).matrix().replicate(1, 3);
+  for (std::uint64_t seed = 1; seed <= 10; ++seed) {
+    EXPECT_FALSE(shakes(noise(seed) + 5.0 * line(0, kRows) + slow, kLine_Hz)) << seed << ": motion, and a line";
+    EXPECT_TRUE(shakes(10.0 * noise(seed) + 5.0 * line(0, kRows), kLine_Hz)) << seed;
+    EXPECT_FALSE(shakes(10.0 * noise(seed), 14.0)) << seed << ": a limb moves there, too";
   }
 }
 
