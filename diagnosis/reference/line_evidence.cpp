@@ -114,8 +114,7 @@ Series3 without_motion(const Signals& s, Sensor sensor, double frequency_Hz) {
                         [motion = low_pass(frequency_Hz / 3.0)](double f) { return 1.0 - motion(f); });
 }
 
-/// A line in a block of rows, and what stands at frequencies beside it, on the side where no other line does: mean
-/// square.
+/// A line in a block of rows, and the mean square of what stands at frequencies beside it.
 struct Block {
   double amplitude = 0.0, beside2 = 0.0;
 };
@@ -132,7 +131,9 @@ std::vector<Block> blocks_of(const Series3& x, const Series& t_s, double step_s,
       for (const int bin : kBeside) sum += std::pow(at(frequency_Hz + bin * side_Hz), 2);
       return sum / std::size(kBeside);
     };
-    out.push_back({at(frequency_Hz), std::min(beside2(bin_Hz), beside2(-bin_Hz))});
+    const double above = beside2(bin_Hz), below = beside2(-bin_Hz);
+    // Limbs and vehicles move less the faster; beyond them the louder side holds another rotor.
+    out.push_back({at(frequency_Hz), frequency_Hz < kMotionBand_Hz ? 0.5 * (above + below) : std::min(above, below)});
   }
   return out;
 }
