@@ -144,11 +144,11 @@ std::optional<std::string> why_the_bodys(const Signals& s, const SensorSearch& s
   const bool beside = std::any_of(search.found.begin(), search.found.end(), [frequency_Hz](const Found& told) {
     return told.id == kBodyVibration && std::abs(told.shape - frequency_Hz) < kSameVibration * frequency_Hz;
   });
-  // A sensor's magnetic line is that of a room, through which the body goes.
-  if (beside || (search.sensor != kMag && swells(s, search.sensor, window, frequency_Hz))) return "more and less";
+  if (beside) return "more and less";
   if (others_swing_too(s, search.sensor, window, frequency_Hz)) return "and so does another sensor";
-  if (search.sensor != kMag && shakes_beside(s, search.sensor, window, frequency_Hz))
-    return "and at all frequencies beside";
+  if (search.sensor == kMag) return std::nullopt;  // a magnetic line is that of a room, through which the body goes
+  if (swells(s, search.sensor, window, frequency_Hz)) return "more and less";
+  if (shakes_beside(s, search.sensor, window, frequency_Hz)) return "and at all frequencies beside";
   return std::nullopt;
 }
 
