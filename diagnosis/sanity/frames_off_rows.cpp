@@ -169,6 +169,7 @@ std::optional<Clock> clock_of_block(const Stretch<N>& block, double row_s) {
   for (double step = kLongest_s; step >= kLeastRowsAFrame * row_s; step /= 1.0 + kClockStep) {
     if (best && step < (1.0 - 10 * kClockStep) * best->step_s) break;
     std::vector<double> by_phase;
+    by_phase.reserve(kPhases);
     for (int phase = 0; phase < kPhases; ++phase)
       by_phase.push_back(off(rows, {middle + step * phase / kPhases, step}));
     const auto here = std::min_element(by_phase.begin(), by_phase.end());
