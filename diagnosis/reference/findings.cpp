@@ -110,8 +110,11 @@ void drop_whiles_of_a_camera(const Signals& s, SensorSearch& search, std::vector
   const auto for_a_while = [](const Found& f) {
     return f.window.local && (f.id == kPlainOffset || f.id.ends_with("_alias"));
   };
-  if (std::any_of(search.found.begin(), search.found.end(), for_a_while) &&
-      swings_at_rest(s, search, finish_beside_drift(search))) {
+  const auto vibrates = [&] {
+    return s.shaken[search.sensor] || holds(search, kBodyVibration) ||
+           swings_at_rest(s, search, finish_beside_drift(search));
+  };
+  if (std::any_of(search.found.begin(), search.found.end(), for_a_while) && vibrates()) {
     notices.push_back(fmt::format("{}: what fits for a while is not stated: the body vibrates unseen by the reference",
                                   kSensorName[search.sensor]));
     for (std::size_t i = search.found.size(); i-- > 0;)

@@ -52,10 +52,11 @@ SensorSearch lines_of(const Signals& s, Sensor k, double lowest, const std::vect
   return search;
 }
 
-void tell(const Signals& s, const SensorSearch& search, const Finished& finished, Answer& answer) {
+void tell(Signals& s, const SensorSearch& search, const Finished& finished, Answer& answer) {
   for (std::size_t i = 0; i < search.found.size(); ++i) {
     const Found& f = search.found[i];
     if (f.kind == Kind::kConfiguration) {
+      s.shaken[search.sensor] = true;
       answer.diagnosis.notices.push_back(vibration_notice(search.sensor, f));
       continue;
     }

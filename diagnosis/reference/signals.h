@@ -47,6 +47,7 @@ struct Signals {
       vector;                        ///< best estimate of the true vector: the reference when exact, else the reading
   std::array<Mask, kSensors> muted;  ///< samples that say nothing about this sensor's residual
   std::array<bool, kSensors> unresolved{};  ///< the body vibrates too fast for the reference: kept rows err with it too
+  std::array<bool, kSensors> shaken{};      ///< a vibration of the body was told that the reference does not see
   std::array<double, kSensors> noise_sd{};  ///< as configured, of one sample
   std::array<double, kSensors> lattice_step{};  ///< the coarsest axis'; 0: the readings lie on none
   std::array<double, kSensors> band_hz{};       ///< of `vector` where it is the sensor itself; 0: it is not
