@@ -145,7 +145,8 @@ int locals(const SensorSearch& search) {
     if (!f.window.local) lasting = std::max(lasting, f.gain_nats);
   std::vector<Window> windows;
   for (const Found& f : search.found) {
-    if (!f.window.local || f.kind == Kind::kTiming || f.gain_nats < lasting || left_of_another(search, f)) continue;
+    const bool no_event = f.kind == Kind::kTiming || f.kind == Kind::kConfiguration;
+    if (!f.window.local || no_event || f.gain_nats < lasting || left_of_another(search, f)) continue;
     const auto together = [&f](const Window& w) {
       const auto both = std::min(w.end, f.window.end) - std::max(w.begin, f.window.begin);
       const auto either = std::max(w.end, f.window.end) - std::min(w.begin, f.window.begin);
