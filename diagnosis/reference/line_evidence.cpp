@@ -88,24 +88,30 @@ Phasor tapered(const Series3& x, const Mask& muted, const Window& w, const Serie
   return sum / std::max(weights, 1e-9);
 }
 
-/// Lines of one sensor in a window.
-struct Reading {
+Window rows_of(const Window& window, const Signals& s) { return window.local ? window : Window{false, 0, s.n}; }
+
+/// Lines of rows in a window, those left out that are muted.
+struct Lines {
   const Signals& s;
-  Sensor sensor;
+  const Series3& x;
+  const Mask& muted;
   Window w;
 
-  Reading(const Signals& signals, Sensor k, const Window& window)
-      : s(signals), sensor(k), w(window.local ? window : Window{false, 0, signals.n}) {}
-  [[nodiscard]] Phasor at(const Series3& x, double f) const { return tapered(x, s.muted[sensor], w, s.t_s, f); }
-  /// Mean power of the reading at frequencies beside a line.
+  [[nodiscard]] Phasor at(double f) const { return tapered(x, muted, w, s.t_s, f); }
+  /// Mean power at frequencies beside a line.
   [[nodiscard]] double beside(double f) const {
     const double bin_Hz = 1.0 / (static_cast<double>(w.end - w.begin) * s.dt_s);
     double power = 0.0;
     for (int bin = kNearest; bin <= kFarthest; ++bin)
-      for (const double sign : {-1.0, 1.0}) power += at(s.reading[sensor], f + sign * bin * bin_Hz).squaredNorm();
+      for (const double sign : {-1.0, 1.0}) power += at(f + sign * bin * bin_Hz).squaredNorm();
     return power / (2.0 * (kFarthest - kNearest + 1));
   }
 };
+
+/// Of what a sensor reads where the reference can be compared.
+Lines lines_read(const Signals& s, Sensor k, const Window& window) {
+  return {s, s.reading[k], s.muted[k], rows_of(window, s)};
+}
 
 /// What the sensor reads that is faster than half of a frequency or so. Where the reference is not to be compared it
 /// reads on: rows set aside would tear a line apart.
@@ -114,18 +120,20 @@ Series3 without_motion(const Signals& s, Sensor sensor, double frequency_Hz) {
                         [motion = low_pass(frequency_Hz / 3.0)](double f) { return 1.0 - motion(f); });
 }
 
+Mask none_muted(const Signals& s) { return Mask(static_cast<std::size_t>(s.n), 0); }
+
 /// A line in a block of rows, and the mean square of what stands at frequencies beside it.
 struct Block {
   double amplitude = 0.0, beside2 = 0.0;
 };
 
-std::vector<Block> blocks_of(const Series3& x, const Series& t_s, double step_s, double frequency_Hz,
-                             Eigen::Index rows) {
-  const Mask none(static_cast<std::size_t>(x.rows()), 0);
-  const double bin_Hz = 1.0 / (static_cast<double>(rows) * step_s);
+std::vector<Block> blocks_of(const Signals& s, const Series3& x, double frequency_Hz, Eigen::Index rows) {
+  const Mask none = none_muted(s);
+  const double bin_Hz = 1.0 / (static_cast<double>(rows) * s.dt_s);
   std::vector<Block> out;
   for (Eigen::Index begin = 0; begin + rows <= x.rows(); begin += rows) {
-    const auto at = [&](double f) { return tapered(x, none, {true, begin, begin + rows}, t_s, f).norm(); };
+    const Lines lines{s, x, none, {true, begin, begin + rows}};
+    const auto at = [&lines](double f) { return lines.at(f).norm(); };
     const auto beside2 = [&](double side_Hz) {
       double sum = 0.0;
       for (const int bin : kBeside) sum += std::pow(at(frequency_Hz + bin * side_Hz), 2);
@@ -190,21 +198,22 @@ Window stretch_of_line(const Series3& left, const Layout& layout, const Series& 
 
 bool stands_in_reading(const Signals& s, Sensor sensor, const Series3& left, const Window& window,
                        double frequency_Hz) {
-  const Reading reading(s, sensor, window);
-  const Phasor of_residual = reading.at(left, frequency_Hz), of_reading = reading.at(s.reading[sensor], frequency_Hz);
+  const Lines reading = lines_read(s, sensor, window);
+  const Phasor of_residual = Lines{s, left, s.muted[sensor], reading.w}.at(frequency_Hz),
+               of_reading = reading.at(frequency_Hz);
   const double power = of_residual.squaredNorm(), share = of_residual.dot(of_reading).real() / power;
   return share > kSensorsOwn && std::sqrt(0.5 * reading.beside(frequency_Hz) / power) < kKnown;
 }
 
 bool swells(const Signals& s, Sensor sensor, const Window& window, double frequency_Hz) {
-  const Eigen::Index begin = window.local ? window.begin : 0, end = window.local ? window.end : s.n;
+  const Window w = rows_of(window, s);
   const Series3 x = without_motion(s, sensor, frequency_Hz);
   for (const double block_s : {kBlock_s, kLongBlock_s}) {
     const auto rows = std::max<Eigen::Index>(1, std::lround(block_s / s.dt_s));
-    const std::vector<Block> blocks = blocks_of(x, s.t_s, s.dt_s, frequency_Hz, rows);
+    const std::vector<Block> blocks = blocks_of(s, x, frequency_Hz, rows);
     // Where the stretch begins and ends it fills no block.
-    const auto first = static_cast<std::size_t>(begin / rows) + 1,
-               last = std::max(static_cast<std::size_t>(end / rows), first + 1) - 1;
+    const auto first = static_cast<std::size_t>(w.begin / rows) + 1,
+               last = std::max(static_cast<std::size_t>(w.end / rows), first + 1) - 1;
     if (modulated(blocks, first, last) || goes_on(blocks, first, last)) return true;
   }
   return false;
@@ -213,24 +222,19 @@ bool swells(const Signals& s, Sensor sensor, const Window& window, double freque
 bool shakes_beside(const Signals& s, Sensor sensor, const Window& window, double frequency_Hz) {
   constexpr double kHann = 1.5;  // of its weights: their squares' sum over that of rows of weight one
   if (frequency_Hz < kMotionBand_Hz) return false;
-  const Window w = window.local ? window : Window{false, 0, s.n};
-  const auto rows = static_cast<double>(w.end - w.begin);
   const Series3 x = without_motion(s, sensor, frequency_Hz);
-  const Mask none(static_cast<std::size_t>(s.n), 0);
-  double power = 0.0;
-  for (int bin = kNearest; bin <= kFarthest; ++bin)
-    for (const double sign : {-1.0, 1.0})
-      power += tapered(x, none, w, s.t_s, frequency_Hz + sign * bin / (rows * s.dt_s)).squaredNorm();
+  const Mask none = none_muted(s);
+  const Lines lines{s, x, none, rows_of(window, s)};
+  const auto rows = static_cast<double>(lines.w.end - lines.w.begin);
   const double noise = 3.0 * kHann * s.noise_sd[sensor] * s.noise_sd[sensor] / rows;
-  return power > kShakes * noise * 2.0 * (kFarthest - kNearest + 1);
+  return lines.beside(frequency_Hz) > kShakes * noise;
 }
 
 bool others_swing_too(const Signals& s, Sensor sensor, const Window& window, double frequency_Hz) {
   for (const Sensor k : {kAcc, kGyr, kMag}) {
     if (k == sensor || !s.present[k]) continue;
-    const Reading reading(s, k, window);
-    if (reading.at(s.reading[k], frequency_Hz).squaredNorm() > kLineOverBeside * reading.beside(frequency_Hz))
-      return true;
+    const Lines reading = lines_read(s, k, window);
+    if (reading.at(frequency_Hz).squaredNorm() > kLineOverBeside * reading.beside(frequency_Hz)) return true;
   }
   return false;
 }

@@ -15,9 +15,9 @@ constexpr int kPhases = 16;               // of a frame
 constexpr Eigen::Index kBlock = 48;       // rows
 constexpr std::size_t kBlocks = 4;        // those that bend most
 constexpr std::size_t kBlocksSharpened = 60;
-constexpr double kMeets = 0.3;  // rms off the chords over that with frames half a step off; 1 for any curve
-constexpr double kTurnsMeet =
-    0.1;  // by themselves: a vibration comes near that, but not in place and attitude with one clock
+// rms off the chords over that with frames half a step off: 1 for any curve. Of attitudes by themselves less: a
+// vibration comes near that, but not in place and attitude with one clock.
+constexpr double kMeets = 0.3, kTurnsMeet = 0.1;
 constexpr double kAmplified = 30.0;  // variance of a frame over that of a row: left out beyond
 constexpr int kShapes = 2;           // rounds in which the chord's form follows from how far frames are apart
 
