@@ -29,8 +29,9 @@ ROOT = pathlib.Path(__file__).resolve().parent.parent
 EQUIVALENT = pathlib.Path(__file__).with_name("mutants_equivalent.txt")
 COMPENSATION = r"pipeline/(compensate|correct)_stage\.|core/calibration\."
 
-# What is mutated (a pattern of paths), and the test programs that are to notice. The daemon's configuration and DDS are
-# tested through whole programs (test_apps, test_dds), which takes too long for each mutant.
+# What is mutated (a pattern of paths), and the test programs that are to notice, or PROGRAM:FILTER of its tests. The
+# daemon's configuration and DDS are tested through whole programs (test_apps, test_dds), which takes too long for each
+# mutant.
 MODULES = {
     "calib_online": (r"calib_online/", ["test_calib_online", "test_pipeline"]),
     "fusion": (r"fusion/", ["test_fusion"]),
@@ -38,7 +39,7 @@ MODULES = {
     "pipeline": (rf"(?!{COMPENSATION})pipeline/", ["test_pipeline", "test_threads", "test_allocations"]),
     "io": (r"io/(?!dds_|config|source_config)", ["test_io", "test_simulation", "test_sources"]),
     "sources": (r"sources/|io/source_config", ["test_sources"]),
-    "diagnosis": (r"diagnosis/", ["test_diagnosis"]),
+    "diagnosis": (r"diagnosis/", ["test_diagnosis:*GoldenAnswers*", "test_diagnosis"]),  # seconds, then minutes
 }
 LARGEST_MEMORY = 6 << 30  # of one test program: a mutant may ask for any amount
 PATIENCE, LEAST_PATIENCE_S = 3.0, 30.0  # of the time that the tests take without a mutant
@@ -140,17 +141,18 @@ class Copy:
         return done.returncode, done.stdout + done.stderr
 
     def compile(self, targets):
-        return self.run(["ninja", "-C", self.build, f"-j{self.jobs}", *targets])
+        return self.run(["ninja", "-C", self.build, f"-j{self.jobs}", *{target.partition(":")[0] for target in targets}])
 
     def test(self, target, patience_s):
         """None when every test passes; otherwise which did not. The tests are dealt out to as many processes as jobs."""
+        program, _, chosen = target.partition(":")
         shards = []
         for k in range(self.jobs):
             told = tempfile.TemporaryFile("w+")
             dealt = {**os.environ, "GTEST_TOTAL_SHARDS": str(self.jobs), "GTEST_SHARD_INDEX": str(k)}
-            shards.append((subprocess.Popen([self.build / "tests" / target, "--gtest_fail_fast", "--gtest_brief=1"], env=dealt,
-                                            cwd=self.build / "tests", stdout=told, stderr=told, start_new_session=True,
-                                            preexec_fn=limited), told))
+            command = [self.build / "tests" / program, "--gtest_fail_fast", "--gtest_brief=1", f"--gtest_filter={chosen or '*'}"]
+            shards.append((subprocess.Popen(command, env=dealt, cwd=self.build / "tests", stdout=told, stderr=told,
+                                            start_new_session=True, preexec_fn=limited), told))
         end = time.monotonic() + patience_s
         by = None
         while not by and any(shard.poll() is None for shard, _ in shards) and time.monotonic() < end:

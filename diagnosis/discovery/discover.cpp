@@ -213,7 +213,8 @@ std::vector<double> frequencies(const Signals& s, const SensorSearch& sensor) {
   const auto add = [&out](const Found& f) {
     if (f.shape_unit == "Hz" && f.offset.size() == 0) out.push_back(f.shape);
   };
-  for (const Found& f : sensor.found) add(f);
+  for (const Found& f : sensor.found)
+    if (f.id != kBodyVibration) add(f);
   const SensorSearch named = without_some(sensor, is_open);
   if (const auto line = out.empty() ? line_in(s, named) : std::nullopt; line && line->kind == Kind::kNamed) add(*line);
   if (sensor.sensor != kMag) return out;

@@ -141,6 +141,10 @@ Found most_believable(const std::vector<Found>& sorted, bool current_recorded) {
     const Found* other = first([&](const Found& f) { return f.id == id; });
     return other != nullptr && other->gain_nats > share * best.gain_nats ? *other : best;
   };
+  if (best.id.ends_with("_lpf")) {  // as a delay the other sensors can tell whether it is the clock of all
+    const Found* delay = first([](const Found& f) { return f.id.ends_with("_delay"); });
+    if (delay != nullptr && delay->net_nats > best.net_nats - tie_nats(best.window)) return *delay;
+  }
   if (best.id.ends_with("_delay") && best.window.local) return instead("sys_gap", kRowsLost);
   if (best.id == "acc_size") return instead("acc_lever", kArmsAgree);
   if (best.id == "mag_soft_step" && !current_recorded) return instead("mag_hard_step", kStepInBody);

@@ -6,6 +6,7 @@
 #include "diagnosis/reference/evidence.h"
 #include "diagnosis/reference/sensors_at_once.h"
 #include "diagnosis/reference/settled_matrices.h"
+#include "diagnosis/reference/steadiness.h"
 #include "diagnosis/reference/timing_in_window.h"
 
 namespace stillpoint::diag {
@@ -43,6 +44,18 @@ bool has_its_own(const Signals& s, const SensorSearch& search, const Window& win
   return false;
 }
 
+/// A delay for a while that is one of many: the sensor is late outside of it as well, or by other times within it. One
+/// that lasts to the end is rows that are lost, for which there is a law.
+bool is_a_piece(const Signals& s, const SensorSearch& search, const Found& f) {
+  if (f.window.end >= s.n) return true;
+  SensorSearch beside = search;
+  accept(beside, f);
+  Found throughout = f;
+  throughout.window = {};
+  const auto late = same_offset(s, search.sensor, throughout);
+  return !late || is_late_elsewhere(beside, *late);
+}
+
 enum class Shared { kNo, kYes, kForAWhile };
 
 /// Whether the other sensors confirm it; takes the offset out of them when they do, unless it is one for a while.
@@ -60,7 +73,7 @@ Shared shared_by_all(const Signals& s, EngineResult& r, Sensor lead, Found& f, s
   }
   const bool must_be_common = f.id.rfind("sys_", 0) == 0;
   if (total < (must_be_common ? -kClearNats : kClearNats)) return Shared::kNo;
-  if (f.window.local && !must_be_common) return Shared::kForAWhile;
+  if (f.window.local && !must_be_common && is_a_piece(s, *r.sensor[lead], f)) return Shared::kForAWhile;
   for (const Sensor other : {kAcc, kGyr, kMag}) {
     if (!offsets[other]) continue;
     r.sensor[other]->target.residual -= *offsets[other];

@@ -77,6 +77,14 @@ bool has_possible_numbers(const SensorSearch& search, std::size_t index, const F
   return !f.possible || f.possible(finished.values.segment(first, f.timing.size()));
 }
 
+/// What all of the laws together leave to a law of which no number is three of its deviations from zero is nothing.
+bool shows_nowhere(const SensorSearch& search, std::size_t index, const Finished& finished) {
+  const Eigen::Index first = first_column(search, index);
+  const auto count = static_cast<Eigen::Index>(search.found[index].columns.size());
+  return count > 0 &&
+         (finished.values.segment(first, count).array().abs() < 3.0 * finished.sd.segment(first, count).array()).all();
+}
+
 Stated stated_of(const Signals& s, const SensorSearch& search, const Finished& finished,
                  std::vector<std::string>& notices) {
   Stated out{search, finished, {}};
@@ -86,6 +94,8 @@ Stated stated_of(const Signals& s, const SensorSearch& search, const Finished& f
     std::string why;  // not to state it
     if (!has_possible_numbers(search, i, finished))
       why = "its numbers are none that a sensor has";
+    else if (f.kind != Kind::kConfiguration && shows_nowhere(search, i, finished))
+      why = "beside what else was found, none of its numbers is known from zero";
     else if (fails_elsewhere(held_out, f.id))
       why = fmt::format("on {} left out of its fit it removes {:.2g} of what is removable", held_out.on,
                         held_out.removable_share_removed);

@@ -38,6 +38,23 @@ TEST(Windows, ADelayOrAFilterThatIsSwitchedOnAndOffKeepsItsName) {
   }
 }
 
+/// A clock that is off for a while delays every sensor by the same. So short a delay is a low-pass to each of them.
+TEST(Windows, AClockThatIsOffForAWhileIsOneCause) {
+  const auto config = test::baseline("exact");
+  for (const double tau_s : {3e-4, 0.008}) {
+    const io::Recording recording = for_a_while(config, "sys_offset", {{"tau_s", {tau_s}}}, 7);
+    const Answer answer = diagnose(recording, config);
+    ASSERT_THAT(names(answer), testing::ElementsAre("sys_offset")) << tau_s;
+    const Finding& f = answer.diagnosis.findings.front();
+    EXPECT_NEAR(f.interval_s[0], kFrom_s, kRest_s) << tau_s;
+    EXPECT_NEAR(f.interval_s[1], kUntil_s, kRest_s) << tau_s;
+    EXPECT_NEAR(f.parameters.front().value, tau_s, 0.1 * tau_s);
+    auto improved = config;
+    improved.effects = answer.effects;
+    EXPECT_THAT(names(diagnose(recording, improved)), testing::IsEmpty()) << tau_s;
+  }
+}
+
 /// A quarter of a second is some other motion; the frequency of a resonance is no time.
 TEST(Windows, ADelayThatIsSwitchedOnIsNoLongerThanAFilter) {
   const Result<Signals> s =
