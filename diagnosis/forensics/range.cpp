@@ -3,13 +3,14 @@
 #include <cmath>
 
 #include "diagnosis/forensics/detail.h"
+#include "diagnosis/median.h"
 
 namespace stillpoint::diag::detail {
 namespace {
 
 constexpr std::size_t kLeastPile = 4;
 constexpr double kPileOverNeighbours = 8.0;  // readings on the rail against those on the steps beside it
-constexpr double kNoiseOverGrain = 30.0;
+constexpr double kNoiseOverGrain = 5.0;
 constexpr std::size_t kLeastRuns = 3;
 constexpr std::size_t kLeastPeaks = 3;
 constexpr double kAlike = 0.005, kNearRange = 0.03;  // what a factory calibration moves a rail by
@@ -48,6 +49,15 @@ double most_common(const Axis& axis, double sign, double beyond) {
   return best;
 }
 
+/// From row to row, of half of them at least: its motion, too.
+double noise_of(const Axis& axis) {
+  constexpr double kMedianOfDifferences = 0.954;  // of normal ones
+  std::vector<double> sizes;
+  for (std::size_t i = 1; i < axis.y.size(); ++i)
+    if (const double d = axis.y[i] - axis.y[i - 1]; std::isfinite(d)) sizes.push_back(std::abs(d));
+  return sizes.empty() ? 0.0 : median(std::move(sizes)) / kMedianOfDifferences;
+}
+
 /// Whether `level` is a rail: a pile far above the counts beside it, nothing beyond while it lasts, and the readings
 /// run into it and leave it steeply, several times. A body that lies still at its extreme reading does not do that.
 std::optional<Rail> try_rail(const Axis& axis, double sign, double level) {
@@ -73,9 +83,9 @@ std::optional<Rail> try_rail(const Axis& axis, double sign, double level) {
     if (run.first == 0 || run.last + 1 >= axis.y.size()) continue;
     steep_runs += level - sign * axis.y[run.first - 1] > steep && level - sign * axis.y[run.last + 1] > steep;
   }
-  // Noise far above the decimals does not come back to one number, however slowly the body turns there; a value that
-  // was held does not come back to it a third time.
-  const bool noisy = axis.noise_sd > kNoiseOverGrain * grain && axis.lattice.step == 0;
+  // Noise far above the steps does not come back to one number, however slowly the body turns there; a value that was
+  // held does not come back to it a third time.
+  const bool noisy = std::min(axis.noise_sd, noise_of(axis)) > kNoiseOverGrain * grain;
   if (steep_runs < 2 && !(noisy && runs_of(rail.rows).size() >= kLeastRuns)) return std::nullopt;
   return rail;
 }

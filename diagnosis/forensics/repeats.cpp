@@ -64,7 +64,8 @@ std::vector<std::size_t> differences(const std::vector<std::size_t>& rows) {
   return d;
 }
 
-/// Narrows [first, last) to the blocks in which stale rows are common.
+/// Narrows [first, last) to the blocks in which stale rows are common, from the first reading that is held in them to
+/// the last.
 void narrow(const std::vector<std::uint8_t>& stale, std::size_t& first, std::size_t& last) {
   std::size_t begin = stale.size(), end = 0;
   for (std::size_t b = 0; b < stale.size(); b += kBlockRows) {
@@ -74,7 +75,9 @@ void narrow(const std::vector<std::uint8_t>& stale, std::size_t& first, std::siz
     begin = std::min(begin, b);
     end = e;
   }
-  first = begin, last = std::max(begin, end);
+  while (begin < end && !stale[begin]) ++begin;
+  while (end > begin && !stale[end - 1]) --end;
+  first = begin > 0 ? begin - 1 : begin, last = std::max(first, end);
 }
 
 }  // namespace

@@ -155,6 +155,26 @@ TEST(Forensics, FindsARailThatACalibrationHasPulledApart) {
   EXPECT_TRUE(examine_raw_values(other, baseline()).findings.empty());
 }
 
+/// A magnetometer turns into its limit and out of it slowly, with noise of many steps.
+TEST(Forensics, FindsTheRailThatNoiseRunsInto) {
+  constexpr double kStep_uT = 0.015, kNoise_uT = 0.35;
+  std::mt19937_64 random(3);
+  std::normal_distribution<double> normal(0.0, kNoise_uT);
+  auto simulation = baseline();
+  simulation.magnetometer->noise_sd = kNoise_uT;
+  const auto read = [&](double limit_uT) {
+    return hand_motion(5, [&](Sensor s, int axis, std::size_t row, double v) {
+      if (s != kMag) return v;
+      const double swing = axis == 2 ? 60.0 * std::sin(static_cast<double>(row) / 800.0) : v;
+      return std::clamp(kStep_uT * std::round((swing + normal(random)) / kStep_uT), -limit_uT, limit_uT);
+    });
+  };
+  const auto f = examine_raw_values(read(3900 * kStep_uT), simulation);
+  ASSERT_EQ(names(f), Names{"mag_sat"});
+  EXPECT_NEAR(f.findings[0].parameters.at(0).value, 3900 * kStep_uT, kStep_uT);
+  EXPECT_EQ(names(examine_raw_values(read(100.0), simulation)), Names{}) << "a body that turns no further";
+}
+
 TEST(Forensics, DoesNotTakeABodyAtRestOnACoarseLatticeForSaturation) {
   io::Recording r = hand_motion(8);
   for (auto& a : r.acc_mps2) {  // the largest reading is that at rest, and repeats for seconds on a lattice of 0.1
@@ -178,6 +198,19 @@ TEST(Forensics, FindsHowOftenAMagnetometerGivesANewValue) {
     EXPECT_FALSE(f.muted(kMag, 10 * n));
     EXPECT_TRUE(f.muted(kMag, 10 * n + 1));
     EXPECT_FALSE(f.muted(kGyr, 10 * n + 1));
+  }
+}
+
+/// Its edges lie within blocks of fresh rows.
+TEST(Forensics, AMagnetometerThatIsSlowForAWhileIsTold) {
+  for (const std::size_t n : {3U, 20U}) {
+    io::Recording r = hand_motion(9);
+    for (std::size_t i = 1230; i < 2770; ++i) r.mag_uT[i] = r.mag_uT[n * (i / n)];
+    const auto f = examine_raw_values(r, baseline());
+    ASSERT_EQ(names(f), Names{"mag_hold"}) << n;
+    EXPECT_EQ(std::round(f.findings[0].parameters.at(0).value), static_cast<double>(n));
+    EXPECT_NEAR(f.findings[0].interval_s[0], 1230 / kRate_hz, 0.25) << n;
+    EXPECT_NEAR(f.findings[0].interval_s[1], 2770 / kRate_hz, 0.25) << n;
   }
 }
 
