@@ -4,9 +4,9 @@
 #include <cstdio>
 #include <utility>
 
+#include "bench/calibration_rest_rules.h"
 #include "bench/calibration_tables.h"
 #include "calib_online/rest_detector.h"
-#include "calib_online/rest_rules.h"
 
 namespace stillpoint::bench {
 namespace {
@@ -15,7 +15,7 @@ constexpr double kRate_hz = 100.0;
 constexpr double kUsable_mps2 = 0.03;  // 3 mg of linear acceleration left: what a calibration to 1 mg can bear
 
 struct Case {
-  std::vector<calib::MotionSample> samples;
+  std::vector<MotionSample> samples;
   double error_mps2 = 0.0;  ///< linear acceleration that the de-rotated mean still holds
 };
 
@@ -56,7 +56,7 @@ Case draw(Random& random) {
 }
 
 /// The detector as the daemon runs it, on the window alone.
-bool detector_keeps(const std::vector<calib::MotionSample>& window) {
+bool detector_keeps(const std::vector<MotionSample>& window) {
   calib::RestDetector detector;
   const CalibrationSnapshot exact;
   for (std::size_t k = 0; k <= window.size(); ++k) {  // one more sample closes the last quarter
@@ -74,9 +74,9 @@ bool detector_keeps(const std::vector<calib::MotionSample>& window) {
 constexpr int kRules = 4;
 constexpr std::array<const char*, kRules> kNames{"coefficient of variation, x axis", "variance, three axes",
                                                  "SHOE/GLRT", "de-rotated quarter means (default)"};
-std::array<double, kRules> statistics(const std::vector<calib::MotionSample>& window) {
-  return {calib::coefficient_of_variation(window, 500, 2300), calib::three_axis_variance(window),
-          calib::shoe(window, kStandardGravity_mps2, 0.02, 0.001), calib::derotated_quarters(window, 1.0 / kRate_hz)};
+std::array<double, kRules> statistics(const std::vector<MotionSample>& window) {
+  return {coefficient_of_variation(window, 500, 2300), three_axis_variance(window),
+          shoe(window, kStandardGravity_mps2, 0.02, 0.001), derotated_quarters(window, 1.0 / kRate_hz)};
 }
 
 /// Percent of usable and of unusable windows that a rule with a fixed limit keeps, a seed.

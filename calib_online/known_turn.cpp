@@ -64,11 +64,9 @@ double median_step(const std::vector<Reading>& r) {
 std::optional<Reading> clipped(const std::vector<Reading>& r) {
   for (Eigen::Index axis = 0; axis < 3; ++axis) {
     double greatest = 0.0, lattice = 1e9;
-    for (std::size_t k = 0; k < r.size(); ++k) {
-      greatest = std::max(greatest, std::abs(r[k].y[axis]));
-      const double step = k > 0 ? std::abs(r[k].y[axis] - r[k - 1].y[axis]) : 0.0;
-      if (step > 0.0) lattice = std::min(lattice, step);
-    }
+    for (const Reading& one : r) greatest = std::max(greatest, std::abs(one.y[axis]));
+    for (std::size_t k = 1; k < r.size(); ++k)
+      if (const double step = std::abs(r[k].y[axis] - r[k - 1].y[axis]); step > 0.0) lattice = std::min(lattice, step);
     int same = 0;
     std::size_t from = 0;
     for (std::size_t k = 1; k < r.size(); ++k) {

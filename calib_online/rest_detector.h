@@ -1,8 +1,8 @@
 /// Finds rest windows in the stream of samples: quarter means of the specific force after de-rotation by the gyroscope.
 /// Zero-mean vibration averages out, sway and turning are removed by the rotation, what is left is linear acceleration
-/// (docs/math/rest.md, R1-R7). Beside the paper's rule (rest_rules.h) this one also excludes steady turning: gravity
-/// and the magnetic field must keep their direction over a baseline that grows to two minutes, and what they cannot
-/// exclude (a turn about the vertical without a magnetometer) is handed on as `Window::turn_cov`.
+/// (docs/math/rest.md, R1-R7). Beside the paper's rule (bench/calibration_rest_rules.h) this one also excludes steady
+/// turning: gravity and the magnetic field must keep their direction over a baseline that grows to two minutes, and
+/// what they cannot exclude (a turn about the vertical without a magnetometer) is handed on as `Window::turn_cov`.
 #pragma once
 #include <array>
 #include <cstdint>

@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "calib_online/rest_detector.h"
-#include "calib_online/rest_rules.h"
+#include "calib_online/slow_change.h"
 
 namespace stillpoint::calib {
 namespace {

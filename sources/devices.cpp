@@ -40,7 +40,10 @@ void find_iio(const std::string& uri, DeviceList& out) {
     FoundDevice found{
         "iio", device.name(), names_of_parts(device.parts()), device.rate_hz(), details_of(device), "", "", ""};
     found.config = fmt::format("source: {{kind: iio, uri: '{}', devices: [{}]}}", uri, device.name());
-    if (!device.can_stream()) {
+    if (!device.unscaled().empty()) {
+      found.problem = fmt::format("its driver does not tell the scale and offset of {}", device.unscaled());
+      found.fix = "is another program busy with it, or the driver still starting? `iio_attr -c` shows what it tells";
+    } else if (!device.can_stream()) {
       found.problem = "it has no buffer";
       found.fix = "wire its interrupt line and name it in the device tree; without it the values are polled (poll_hz)";
     }

@@ -34,14 +34,14 @@ std::string attribute(const iio_device* device, const char* name) {
   return n > 0 ? std::string(text.data()) : std::string();
 }
 
-IioScale scale_of(const iio_channel* channel, double unit) {
+/// Nothing where the driver has an offset or a scale and does not tell it: no reading has a unit without.
+std::optional<IioScale> scale_of(const iio_channel* channel, double unit) {
   double offset = 0.0, scale = 1.0;
-  if (iio_channel_find_attr(channel, "offset") != nullptr &&
-      iio_channel_attr_read_double(channel, "offset", &offset) < 0)
-    offset = 0.0;
-  if (iio_channel_find_attr(channel, "scale") != nullptr && iio_channel_attr_read_double(channel, "scale", &scale) < 0)
-    scale = 1.0;
-  return {offset, scale * unit};
+  const auto told = [channel](const char* name, double& value) {
+    return iio_channel_find_attr(channel, name) == nullptr || iio_channel_attr_read_double(channel, name, &value) >= 0;
+  };
+  if (!told("offset", offset) || !told("scale", scale)) return std::nullopt;
+  return IioScale{offset, scale * unit};
 }
 
 IioElement element_of(const iio_channel* channel) {
@@ -78,7 +78,7 @@ std::vector<IioDevice> IioDevice::all(iio_context& context) {
   std::vector<IioDevice> out;
   for (unsigned k = 0; k < iio_context_get_devices_count(&context); ++k) {
     IioDevice device(iio_context_get_device(&context, k));
-    if ((device.parts_ & (kAcc | kGyr | kMag)) != 0) out.push_back(std::move(device));
+    if ((device.parts_ & (kAcc | kGyr | kMag)) != 0 || !device.unscaled_.empty()) out.push_back(std::move(device));
   }
   return out;
 }
@@ -100,8 +100,12 @@ void IioDevice::add(iio_channel* channel) {
     if (iio_channel_is_scan_element(channel)) timestamp_ = channel;
     return;
   }
-  if (const auto kind = iio_channel_kind(iio_channel_get_id(channel)))
-    channels_.push_back({channel, *kind, scale_of(channel, kind->unit), element_of(channel)});
+  const auto kind = iio_channel_kind(iio_channel_get_id(channel));
+  if (!kind) return;
+  if (const auto scale = scale_of(channel, kind->unit))
+    channels_.push_back({channel, *kind, *scale, element_of(channel)});
+  else if (unscaled_.empty())
+    unscaled_ = iio_channel_get_id(channel);
 }
 
 void IioDevice::keep_whole_triads() {

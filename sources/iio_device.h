@@ -28,13 +28,16 @@ using IioContext = std::unique_ptr<iio_context, IioContextEnd>;
 
 class IioDevice {
  public:
-  /// The devices of a context with an accelerometer, a gyroscope or a magnetometer of three axes.
+  /// The devices of a context with an accelerometer, a gyroscope or a magnetometer of three axes, or with a channel of
+  /// one that is unscaled().
   [[nodiscard]] static std::vector<IioDevice> all(iio_context& context);
 
   [[nodiscard]] const std::string& name() const noexcept { return name_; }
   /// "iio:device0": no two of a context have the same, as they may the same name.
   [[nodiscard]] std::string id() const;
   [[nodiscard]] std::uint8_t parts() const noexcept { return parts_; }
+  /// A channel of which the driver does not tell the scale or the offset that it has; empty: it tells all.
+  [[nodiscard]] const std::string& unscaled() const noexcept { return unscaled_; }
   /// Samples can be streamed by the kernel; otherwise the values are read one by one.
   [[nodiscard]] bool can_stream() const noexcept { return can_stream_; }
   [[nodiscard]] bool has_timestamps() const noexcept { return timestamp_ != nullptr; }
@@ -74,7 +77,7 @@ class IioDevice {
   int poll(const Take& take);
 
   iio_device* device_;
-  std::string name_;
+  std::string name_, unscaled_;
   std::vector<Channel> channels_;
   iio_channel* timestamp_ = nullptr;
   std::uint8_t parts_ = 0;

@@ -133,6 +133,9 @@ class Served {
     for (IioDevice& device : IioDevice::all(**context)) {
       if (!is_wanted(device, params_.devices)) others.push_back(device.name());
       if (!is_wanted(device, params_.devices) || is_served(device)) continue;
+      if (!device.unscaled().empty())
+        return fmt::format("IIO {}: {} does not tell the scale and offset of {}, and no reading has a unit without",
+                           params_.uri, device.name(), device.unscaled());
       const std::int64_t start_ns = monotonic_ns();
       if (const std::string why = device.start(params_); !why.empty()) polled = why + "; polled";
       workers_.emplace_back(std::move(device), start_ns, params_, clock_, inbox_);

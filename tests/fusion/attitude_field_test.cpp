@@ -40,6 +40,24 @@ TEST(AttitudeField, DistrustsADisturbedFieldKeepsTheHeadingAndSaysSo) {
   EXPECT_LT(std::abs(error.z()) * kDegPerRad, 4.0);
 }
 
+/// At rest nothing turns the heading, and yet nothing confirms it.
+TEST(AttitudeField, AMagnetPutBesideABodyAtRestIsSaidAfterTwoSeconds) {
+  RandomMotion motion({}, 11);
+  AttitudeFilter filter;
+  AttitudeEstimate e;
+  for (int i = 0; i < 3000; ++i) e = filter.step(motion.next(false), false);
+  for (int i = 0; i < 400; ++i) e = filter.step(motion.next(true), true);
+  EXPECT_EQ(e.heading, HeadingReference::kMagnetic);
+  for (const bool late : {false, true}) {
+    for (int i = 0; i < 150; ++i) {  // 1.5 s
+      CalibratedSample s = motion.next(true);
+      vec(s.mag_uT) += motion.q_world_body().conjugate() * Vec3(25.0, 0.0, 10.0);
+      e = filter.step(s, true);
+    }
+    EXPECT_EQ(e.heading, late ? HeadingReference::kDisturbed : HeadingReference::kMagnetic);
+  }
+}
+
 TEST(AttitudeField, AcceptsAFieldThatStaysAndKeepsTheHeading) {
   RandomMotion motion({}, 12);
   AttitudeFilter filter;

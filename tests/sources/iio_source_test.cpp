@@ -202,6 +202,23 @@ TEST(IioSource, ADeviceThatComesBackWithAnotherScaleIsReadInThatOne) {
   EXPECT_TRUE(vec(out.sample.acc_mps2).isApprox(Vec3(-1.96, 3.92, 19.6))) << vec(out.sample.acc_mps2);
 }
 
+/// It has a scale, and does not tell it while its driver is busy: a raw value taken for m/s^2 would be 1000 of them.
+TEST(IioSource, WhatDoesNotTellItsScaleIsNotRead) {
+  const std::uint16_t port = test::free_port();
+  FakeDevice silent = accelerometer();
+  silent.attributes.erase("accel_y/scale");
+  auto iiod = std::make_unique<FakeIiod>(std::vector{silent}, port);
+  IioSource source(params_of(port), 0.2);
+  Arrival out;
+  EXPECT_FALSE(test::eventually_sample(source, out, 0.5));
+  const std::string_view why = source.report()->try_load()->error.view();
+  EXPECT_NE(why.find("accel_3d does not tell the scale and offset of accel_y"), std::string::npos) << why;
+  iiod = nullptr;
+  iiod = std::make_unique<FakeIiod>(std::vector{accelerometer()}, port);
+  ASSERT_TRUE(test::eventually_sample(source, out));
+  EXPECT_TRUE(vec(out.sample.acc_mps2).isApprox(Vec3(-0.98, 1.96, 9.8)));
+}
+
 TEST(IioSource, TheKernelKeepsASecondOfWhatIsNotFetched) {
   const std::uint16_t port = test::free_port();
   FakeIiod iiod({accelerometer()}, port);

@@ -40,6 +40,18 @@ TEST(Stamps, ArrivalsThroughAUsbSerialChipAreMadeEven) {
   EXPECT_LT(worst, 0.5) << "raw arrivals are off by 8 ms";
 }
 
+/// What has waited for nothing is as old as it arrives, to the nanosecond.
+TEST(Stamps, TheFirstReadingAndThatAfterAPauseComeWhenTheyArrive) {
+  Stamps stamps(100.0);
+  Reading r = reading();
+  std::int64_t at_ns = 1'000;
+  ASSERT_TRUE(stamps.stamp(r, at_ns, 1));
+  EXPECT_EQ(r.sample.t_ns, at_ns);
+  for (int k = 0; k < 50; ++k) stamps.stamp(r = reading(), at_ns += 10'000'000, 1);
+  ASSERT_TRUE(stamps.stamp(r = reading(), at_ns += 30'000'000'000, 1));
+  EXPECT_EQ(r.sample.t_ns, at_ns);
+}
+
 TEST(Stamps, APauseIsKeptAndALostReadingLeavesItsPlace) {
   ArrivalClock clock(100.0);
   std::int64_t t = 0, before = 0;

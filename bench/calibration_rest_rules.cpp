@@ -1,11 +1,13 @@
-#include "calib_online/rest_rules.h"
+#include "bench/calibration_rest_rules.h"
 
+#include <array>
 #include <cmath>
 
+#include "calib_online/slow_change.h"
 #include "core/so3.h"
 #include "core/units.h"
 
-namespace stillpoint::calib {
+namespace stillpoint::bench {
 namespace {
 
 Vec3 mean_force(std::span<const MotionSample> window) {
@@ -41,9 +43,6 @@ std::array<Vec3, 4> turned_quarters(std::span<const MotionSample> window, double
 
 }  // namespace
 
-SlowChange::SlowChange(const std::array<Vec3, 4>& m) noexcept
-    : slope((3.0 * (m[3] - m[0]) + (m[2] - m[1])) / std::sqrt(20.0)), curvature(0.5 * (m[0] - m[1] - m[2] + m[3])) {}
-
 double coefficient_of_variation(std::span<const MotionSample> window, double counts_per_g,
                                 double zero_counts) noexcept {
   double sum = 0.0, sq = 0.0;
@@ -72,12 +71,7 @@ double shoe(std::span<const MotionSample> window, double gravity_mps2, double ac
 }
 
 double derotated_quarters(std::span<const MotionSample> window, double dt_s) noexcept {
-  return SlowChange(turned_quarters(window, dt_s)).squared();
+  return calib::SlowChange(turned_quarters(window, dt_s)).squared();
 }
 
-Vec3 derotated_mean(std::span<const MotionSample> window, double dt_s) noexcept {
-  const auto quarter = turned_quarters(window, dt_s);
-  return 0.25 * (quarter[0] + quarter[1] + quarter[2] + quarter[3]);
-}
-
-}  // namespace stillpoint::calib
+}  // namespace stillpoint::bench

@@ -1,21 +1,13 @@
-/// The rest rules that are compared with the default (rest_detector.h), as statistics of one window of samples: small
-/// is rest. After Gietzelt et al., section 2.4 [coefficient of variation]; Skog, Handel, Nilsson, Rantakokko,
-/// "Zero-velocity detection - an algorithm evaluation", IEEE TBME 2010, eq. (15) [SHOE/GLRT]; docs/math/rest.md, R1-R3.
+/// The rest rules that are compared with the default (calib_online/rest_detector.h), as statistics of one window of
+/// samples: small is rest. After Gietzelt et al., section 2.4 [coefficient of variation]; Skog, Handel, Nilsson,
+/// Rantakokko, "Zero-velocity detection - an algorithm evaluation", IEEE TBME 2010, eq. (15) [SHOE/GLRT];
+/// docs/math/rest.md, R1-R3.
 #pragma once
-#include <array>
 #include <span>
 
 #include "core/types.h"
 
-namespace stillpoint::calib {
-
-/// How four quarter means in a row change, in an orthonormal basis: R3. The third contrast is left out. A motion that
-/// shows there and not here has more than one period inside the window: its mean, which is what harms, is near zero.
-struct SlowChange {
-  Vec3 slope, curvature;  ///< unit of the means
-  explicit SlowChange(const std::array<Vec3, 4>& means) noexcept;
-  [[nodiscard]] double squared() const noexcept { return slope.squaredNorm() + curvature.squaredNorm(); }
-};
+namespace stillpoint::bench {
 
 struct MotionSample {
   Vec3 acc_mps2 = Vec3::Zero();
@@ -33,7 +25,5 @@ struct MotionSample {
                           double gyr_sd) noexcept;
 /// Slow change of the quarter means after de-rotation to the middle, (m/s^2)^2.
 [[nodiscard]] double derotated_quarters(std::span<const MotionSample> window, double dt_s) noexcept;
-/// The de-rotated mean itself, at the middle of the window.
-[[nodiscard]] Vec3 derotated_mean(std::span<const MotionSample> window, double dt_s) noexcept;
 
-}  // namespace stillpoint::calib
+}  // namespace stillpoint::bench
