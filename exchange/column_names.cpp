@@ -171,7 +171,7 @@ std::string unit_in(const std::string& column) {
     return column.substr(open + 1, close - open - 1);
   const auto at = column.find_last_of("_ ");
   if (at == std::string::npos) return "";
-  const std::string last = column.substr(at + 1);
+  std::string last = column.substr(at + 1);
   if (last.size() < 2 && last != "s" && last != "g" && last != "T") return "";
   for (const Quantity q : {Quantity::kAcc, Quantity::kGyr, Quantity::kMag})
     if (factor_of(q, last) != 0.0) return last;

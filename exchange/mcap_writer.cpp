@@ -71,14 +71,15 @@ std::string record(Opcode opcode, const std::string& body) {
 
 std::string schemas_and_channels() {
   std::string out;
-  for (std::uint16_t i = 0; i < std::size(kAll); ++i) {
-    const auto id = static_cast<std::uint16_t>(i + 1);
+  std::uint16_t id = 0;
+  for (const auto& topic : kAll) {
+    ++id;
     std::string schema, channel;
     put(schema, id);
-    for (const char* text : {kAll[i].type, "ros2msg", kAll[i].definition}) put_text(schema, text);
+    for (const char* text : {topic.type, "ros2msg", topic.definition}) put_text(schema, text);
     put(channel, id);
     put(channel, id);
-    put_text(channel, kAll[i].name);
+    put_text(channel, topic.name);
     put_text(channel, "cdr");
     put(channel, std::uint32_t{0});
     out += record(kSchema, schema) + record(kChannel, channel);

@@ -53,7 +53,7 @@ class Writer {
 
   std::string column_of(const Node& n) {
     const std::string inner = at_row(n.args[0]);
-    const std::string name = fmt::format("c{}", ++columns_);
+    std::string name = fmt::format("c{}", ++columns_);
     std::string helper(function_of(n.op)->name), last;
     if (n.op == Op::kRate) helper = "rate", last = d_.number(rate_span_s(n));
     if (n.args.size() > 1) last = d_.number(n.args[1].number);

@@ -90,8 +90,8 @@ def _play(t, x, width):
 
 class Python final : public Dialect {
  public:
-  std::string row(const std::string& column, bool vector) const override {
-    return column == "t_" ? "(t[i] - t[0])" : vector ? column + "[i]" : column + "[i]";
+  std::string row(const std::string& column, bool) const override {
+    return column == "t_" ? "(t[i] - t[0])" : column + "[i]";
   }
   std::string axis(const std::string& column, std::size_t axis) const override {
     return fmt::format("{}[i][{}]", column, axis);

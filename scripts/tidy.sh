@@ -7,4 +7,5 @@ mkdir -p build/tidy
 sed -E 's/ -Winvalid-pch//g; s/ -include [^ ]*cmake_pch\.hxx//g; s/ -Wno-(restrict|stringop-[a-z]+)//g' \
   build/release/compile_commands.json >build/tidy/compile_commands.json
 git ls-files 'core/*.cpp' 'io/*.cpp' 'simulation/*.cpp' 'calib_online/*.cpp' 'fusion/*.cpp' 'pipeline/*.cpp' \
-  'diagnosis/*.cpp' 'apps/*.cpp' | xargs -P 2 -n 4 clang-tidy -p build/tidy --quiet
+  'diagnosis/*.cpp' 'sources/*.cpp' 'exchange/*.cpp' 'laws/*.cpp' 'report/*.cpp' 'c_api/*.cpp' 'apps/*.cpp' |
+  xargs -P 2 -n 4 clang-tidy -p build/tidy --quiet

@@ -135,7 +135,7 @@ void IioDevice::keep_whole_triads() {
 std::optional<Mat3> IioDevice::mount_of(const Channel& channel) const {
   for (const std::string& text : {attribute(channel.handle, "mount_matrix"), attribute(device_, "in_mount_matrix"),
                                   attribute(device_, "mount_matrix")})
-    if (const auto matrix = parse_mount_matrix(text)) return matrix;
+    if (auto matrix = parse_mount_matrix(text)) return matrix;
   return std::nullopt;
 }
 

@@ -127,21 +127,24 @@ class Served {
   std::string look() {
     auto context = open_iio(params_.uri);
     if (!context) return context.error().message;
-    std::string polled;
+    std::string polled, unread;
     std::vector<std::string> others;
     bool any = false;
     for (IioDevice& device : IioDevice::all(**context)) {
       if (!is_wanted(device, params_.devices)) others.push_back(device.name());
       if (!is_wanted(device, params_.devices) || is_served(device)) continue;
-      if (!device.unscaled().empty())
-        return fmt::format("IIO {}: {} does not tell the scale and offset of {}, and no reading has a unit without",
-                           params_.uri, device.name(), device.unscaled());
+      if (!device.unscaled().empty()) {
+        unread = fmt::format("IIO {}: {} does not tell the scale and offset of {}, and no reading has a unit without",
+                             params_.uri, device.name(), device.unscaled());
+        continue;
+      }
       const std::int64_t start_ns = monotonic_ns();
       if (const std::string why = device.start(params_); !why.empty()) polled = why + "; polled";
       workers_.emplace_back(std::move(device), start_ns, params_, clock_, inbox_);
       any = true;
     }
     if (any) contexts_.push_back(std::move(*context));
+    if (!unread.empty()) return unread;
     if (!workers_.empty()) return polled;
     return fmt::format("IIO {}: no motion sensor{}; `stillpoint devices` lists what is there", params_.uri,
                        others.empty() ? "" : fmt::format(" of that name, but {}", fmt::join(others, ", ")));
@@ -210,7 +213,7 @@ struct IioSource::Impl {
   /// In words why it ended.
   std::string run_until_lost() {
     Served served(params, inbox);
-    const std::string why = served.look();
+    std::string why = served.look();
     if (served.none()) return why;
     if (!why.empty()) error.store(ShortText(why));
     ++opened;

@@ -36,7 +36,7 @@ class StreamSource {
   Reopening reopening_;
   ReportCell report_;
   SourceReport counts_;
-  std::uint64_t sequence_ = 0, missing_ = 0;
+  std::uint64_t sequence_ = 0;
   std::int64_t arrival_ns_ = 0, told_ns_ = 0;
   bool was_there_ = false;
 };

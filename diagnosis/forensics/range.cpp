@@ -10,7 +10,8 @@ namespace {
 
 constexpr std::size_t kLeastPile = 4;
 constexpr double kPileOverNeighbours = 8.0;  // readings on the rail against those on the steps beside it
-constexpr double kNoiseOverGrain = 5.0;
+constexpr double kNoiseOverGrain = 5.0, kNoiseReaches = 3.0;
+constexpr std::size_t kPileOverAnother = 2;
 constexpr std::size_t kLeastRuns = 3;
 constexpr std::size_t kLeastPeaks = 3;
 constexpr double kAlike = 0.005, kNearRange = 0.03;  // what a factory calibration moves a rail by
@@ -33,18 +34,23 @@ std::vector<Run> runs_of(const std::vector<std::size_t>& rows) {
   return runs;
 }
 
-/// The value held by most readings, counted in steps of the file's decimals, among those beyond a third of the range.
-double most_common(const Axis& axis, double sign, double beyond) {
+struct Pile {
+  double value = 0.0;
+  std::size_t readings = 0;
+};
+
+/// The value held by most readings, counted in steps of the file's decimals, among those between two (not included),
+/// in the direction of `sign`.
+Pile most_common(const Axis& axis, double sign, double above, double below) {
   std::vector<double> v;
   for (const double y : axis.y)
-    if (sign * y > beyond) v.push_back(sign * y);
+    if (sign * y > above && sign * y < below) v.push_back(sign * y);
   std::sort(v.begin(), v.end());
-  double best = 0.0;
-  std::size_t most = 0;
+  Pile best;
   for (std::size_t i = 0, j = 0; i < v.size(); i = j) {
     for (j = i; j < v.size() && v[j] - v[i] <= 0.5 * axis.printed; ++j) {
     }
-    if (j - i >= most) most = j - i, best = v[i];
+    if (j - i >= best.readings) best = {v[i], j - i};
   }
   return best;
 }
@@ -83,9 +89,11 @@ std::optional<Rail> try_rail(const Axis& axis, double sign, double level) {
     if (run.first == 0 || run.last + 1 >= axis.y.size()) continue;
     steep_runs += level - sign * axis.y[run.first - 1] > steep && level - sign * axis.y[run.last + 1] > steep;
   }
-  // Noise far above the steps does not come back to one number, however slowly the body turns there; a value that was
-  // held does not come back to it a third time.
-  const bool noisy = std::min(axis.noise_sd, noise_of(axis)) > kNoiseOverGrain * grain;
+  // Noise far above the steps does not come back to one number more than to the others within its reach, however slowly
+  // the body turns there; a value that was held does not come back to it a third time.
+  const double noise = std::min(axis.noise_sd, noise_of(axis));
+  const auto below = [&] { return most_common(axis, sign, level - kNoiseReaches * noise, level - on).readings; };
+  const bool noisy = noise > kNoiseOverGrain * grain && rail.rows.size() > kPileOverAnother * below();
   if (steep_runs < 2 && !(noisy && runs_of(rail.rows).size() >= kLeastRuns)) return std::nullopt;
   return rail;
 }
@@ -119,7 +127,7 @@ std::optional<Rail> find_rail(const Axis& axis, double sign) {
   if (auto rail = try_rail(axis, sign, extreme)) return rail;
   if (axis.lattice.step > 0) return std::nullopt;  // on a lattice every value is common
   // Where the limit held only for a while, larger readings stand elsewhere.
-  const double common = most_common(axis, sign, extreme / 3.0);
+  const double common = most_common(axis, sign, extreme / 3.0, HUGE_VAL).value;
   return common > 0 ? try_rail(axis, sign, common) : std::nullopt;
 }
 

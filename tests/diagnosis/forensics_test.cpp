@@ -175,6 +175,20 @@ TEST(Forensics, FindsTheRailThatNoiseRunsInto) {
   EXPECT_EQ(names(examine_raw_values(read(100.0), simulation)), Names{}) << "a body that turns no further";
 }
 
+/// The outermost of a few coarse steps that noise reaches now and then is no limit, where the file writes finer ones.
+TEST(Forensics, TheTailOfTheNoiseAtRestIsNoRail) {
+  std::mt19937_64 random(3);
+  std::normal_distribution<double> normal(0.0, 0.25);
+  auto simulation = baseline();
+  simulation.magnetometer->noise_sd = 0.25;
+  io::Recording r = hand_motion(5);
+  for (auto& m : r.mag_uT)
+    for (int k = 0; k < 3; ++k) m[k] = 0.15 * std::round((50.0 - 10.0 * k + normal(random)) / 0.15);
+  for (std::size_t i = 0; i < kRows; i += 900) r.mag_uT[i][0] += 0.01;  // and not all lie on the lattice
+  const Names said = names(examine_raw_values(r, simulation));
+  EXPECT_EQ(std::count(said.begin(), said.end(), "mag_sat"), 0);
+}
+
 TEST(Forensics, DoesNotTakeABodyAtRestOnACoarseLatticeForSaturation) {
   io::Recording r = hand_motion(8);
   for (auto& a : r.acc_mps2) {  // the largest reading is that at rest, and repeats for seconds on a lattice of 0.1

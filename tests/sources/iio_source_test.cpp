@@ -219,6 +219,19 @@ TEST(IioSource, WhatDoesNotTellItsScaleIsNotRead) {
   EXPECT_TRUE(vec(out.sample.acc_mps2).isApprox(Vec3(-0.98, 1.96, 9.8)));
 }
 
+TEST(IioSource, BesideOneThatDoesNotTellItsScaleTheOthersAreRead) {
+  const std::uint16_t port = test::free_port();
+  FakeDevice silent = magnetometer();
+  silent.attributes.erase("magn_x/scale");
+  const FakeIiod iiod({accelerometer(), silent}, port);
+  IioSource source(params_of(port), 0.2);
+  Arrival out;
+  for (int k = 0; k < 20; ++k) ASSERT_TRUE(test::eventually_sample(source, out));
+  EXPECT_TRUE(vec(out.sample.acc_mps2).isApprox(Vec3(-0.98, 1.96, 9.8)));
+  const std::string_view why = source.report()->try_load()->error.view();
+  EXPECT_NE(why.find("magn_3d does not tell"), std::string::npos) << why;
+}
+
 TEST(IioSource, TheKernelKeepsASecondOfWhatIsNotFetched) {
   const std::uint16_t port = test::free_port();
   FakeIiod iiod({accelerometer()}, port);
