@@ -11,6 +11,7 @@
 #include "diagnosis/reference/evidence.h"
 #include "diagnosis/reference/judge.h"
 #include "diagnosis/reference/lines.h"
+#include "diagnosis/reference/plausible.h"
 #include "diagnosis/reference/sensors_at_once.h"
 #include "diagnosis/reference/separable.h"
 #include "diagnosis/reference/wandering_reference.h"
@@ -27,8 +28,6 @@ constexpr double kRemainder = 0.05;                      // of a large effect's 
 constexpr double kFurther = 60.0, kFurtherShare = 0.03;  // of the first term's gain
 constexpr double kOfTheBest = 0.5;                       // of its net gain: what follows it is another law
 constexpr double kMostOpen = 0.4;                        // deviation of all numbers of a law over their size
-constexpr double kSwells = 3.0;                          // times what it did before
-constexpr double kAnotherMatrix = 0.1;                   // by which the largest entry may grow for a law
 constexpr double kLeaves = 1.02;                         // of the rms before, where it is noise that a law leaves
 // Of laws that fall short of the best one by no more than this share of its gain, or so many nats, the one with fewer
 // numbers: what six more of them gain in so little is the misfit of this motion.
@@ -89,23 +88,6 @@ bool is_determined(const Fit& fit, const Found& law) {
   return std::sqrt(variance) < kMostOpen * fit.theta.tail(count).norm();
 }
 
-/// Whether beside it the numbers that were there before become others: one that was found does several times as much,
-/// or the matrix is another sensor's. Each takes back what the other does, in a motion in which they are nearly one.
-bool moves_the_others(const SensorSearch& search, const Fit& before, const Fit& beside) {
-  const auto matrix_of = [](const Fit& fit) {
-    return Eigen::Map<const Eigen::Matrix<double, 4, 3>>(fit.nuisance.data()).bottomRows<3>().cwiseAbs().maxCoeff();
-  };
-  if (matrix_of(beside) > matrix_of(before) + kAnotherMatrix) return true;
-  return std::any_of(search.found.begin(), search.found.end(), [&](const Found& f) {
-    const auto first = first_column(search, static_cast<std::size_t>(&f - search.found.data()));
-    const auto size = [&](const Fit& fit) {
-      const Eigen::VectorXd own = fit.theta.segment(first, static_cast<Eigen::Index>(f.columns.size()));
-      return contribution_of(f.columns, own, search.target.layout.n).norm();
-    };
-    return f.offset.size() == 0 && size(beside) > kSwells * size(before);
-  });
-}
-
 /// What it leaves out of its fit is larger with it than without: a wandering offset, or a bias and matrix that this
 /// motion hardly tells from it, took back what it does.
 bool leaves_more(const HeldOut& h) { return !predicts(h) || h.rms_after > kLeaves * h.rms_before; }
@@ -115,6 +97,7 @@ bool may_be_stated(const Signals& s, const SensorSearch& search, const Found& la
                    const Fit& beside) {
   if (!is_separable(s, search.sensor, law.columns) || !varies(search, law, beside)) return false;
   if (!is_determined(beside, law) || moves_the_others(search, before, beside)) return false;
+  if (is_a_trace_of_the_cameras(s, search, law, beside)) return false;
   const bool may_be_the_camera = search.sensor == kMag || as_small_as_wandering(s, search, law, beside);
   if (may_be_the_camera && !stands_beside_wandering(s, search, law)) return false;
   SensorSearch with = search;

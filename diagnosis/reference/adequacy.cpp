@@ -14,6 +14,7 @@ constexpr double kPlainOffsetNats = 6.0;
 constexpr double kPartShare = 1e-4;  // of a product's gain: what a factor has to explain to be named
 constexpr double kArmsAgree = 0.95;  // three arms of the size effect that agree are one lever arm
 constexpr double kStepInBody = 0.4;  // of a soft step's gain
+constexpr double kSetUpShare = 0.5;  // of a product's net gain
 constexpr double kRowsLost = 0.95;   // a delay from one row on: rows are missing there
 constexpr double kAdequateNats = 3.0, kAdequateShare = 0.02;
 constexpr double kFreeNats = 3.0, kFreeShare = 0.003;
@@ -122,6 +123,10 @@ Found most_believable(const std::vector<Found>& sorted, bool current_recorded) {
   const Found& best = sorted.front();
   const auto first = [&sorted](const auto& holds) { return first_of(sorted, holds); };
   if (best.kind == Kind::kUnknown) {
+    // That the reference's world leans is believed before a product is that explains not much more; what is left of
+    // the product is found beside it.
+    const Found* set_up = first([](const Found& f) { return f.kind == Kind::kConfiguration; });
+    if (set_up != nullptr && set_up->net_nats > kSetUpShare * best.net_nats) return *set_up;
     const Found* named = first([](const Found& f) { return f.kind != Kind::kUnknown; });
     if (named == nullptr || best.net_nats >= named->net_nats + adequate_within(*named)) {
       // A factor that hardly varies here, such as gravity on a turntable, is nothing that was seen to matter.

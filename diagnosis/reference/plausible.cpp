@@ -73,6 +73,23 @@ bool possible(const Signals& s, const SensorSearch& search, const Found& law) {
                           fit.covariance.diagonal().tail(count).cwiseMax(0.0).cwiseSqrt());
 }
 
+bool moves_the_others(const SensorSearch& search, const Fit& before, const Fit& beside) {
+  constexpr double kSwells = 3.0;         // times what it did before
+  constexpr double kAnotherMatrix = 0.1;  // by which the largest entry may grow for a law
+  const auto matrix_of = [](const Fit& fit) {
+    return Eigen::Map<const Eigen::Matrix<double, 4, 3>>(fit.nuisance.data()).bottomRows<3>().cwiseAbs().maxCoeff();
+  };
+  if (matrix_of(beside) > matrix_of(before) + kAnotherMatrix) return true;
+  return std::any_of(search.found.begin(), search.found.end(), [&](const Found& f) {
+    const auto first = first_column(search, static_cast<std::size_t>(&f - search.found.data()));
+    const auto size = [&](const Fit& fit) {
+      const Eigen::VectorXd own = fit.theta.segment(first, static_cast<Eigen::Index>(f.columns.size()));
+      return contribution_of(f.columns, own, search.target.layout.n).norm();
+    };
+    return f.offset.size() == 0 && size(beside) > kSwells * size(before);
+  });
+}
+
 double decades_below_usual(const SensorSearch& search, const Found& law) {
   const sim::EffectInfo* info = entry_of_linear(law);
   if (info == nullptr) return 0.0;

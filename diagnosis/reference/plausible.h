@@ -13,6 +13,10 @@ namespace stillpoint::diag {
 /// A number beyond anything that parts have is another law's doing, however well it fits.
 [[nodiscard]] bool possible(const Signals& s, const SensorSearch& search, const Found& law);
 
+/// Whether beside it the numbers that were there before become others: one that was found does several times as much,
+/// or the matrix is another sensor's. Each takes back what the other does, in a motion in which they are nearly one.
+[[nodiscard]] bool moves_the_others(const SensorSearch& search, const Fit& before, const Fit& beside);
+
 /// Powers of ten by which the largest number of a linear law of the catalogue lies below what parts usually have. 0
 /// where it does not, or where the catalogue gives no usual size.
 [[nodiscard]] double decades_below_usual(const SensorSearch& search, const Found& law);

@@ -149,6 +149,9 @@ std::optional<Found> chosen(const Signals& s, const SensorSearch& search, const 
     const Fit beside = best->offset.size() ? Fit{} : fit_beside(search, *best);  // a timing law has no use for it
     if (robust_nats(search, *best, beside) < charge(best->names.size(), best->window)) return std::nullopt;
     if (is_unknown(best->id) && !varies(search, *best, beside)) return std::nullopt;
+    if (is_unknown(best->id) && !best->offset.size() && !search.found.empty() &&
+        moves_the_others(search, fit_profile(search.beside_walk(), search.explained()), beside))
+      return std::nullopt;
     if (is_a_trace_of_the_cameras(s, search, *best, beside)) return std::nullopt;
     // Half a milliradian of a camera's calibration is as large as a good magnetometer's noise, and turns gravity by
     // more than temperature moves a good accelerometer: no name is stated of it.

@@ -152,5 +152,26 @@ TEST(Adequacy, WhatEndsWhereAStepMayBeginIsTheStep) {
   EXPECT_EQ(best_explanation({found("mag_sat", 900, before), found("mag_hard_step", 800, after)}, true)->id, "mag_sat");
 }
 
+/// What is believed sooner is tried first: a world that leans before a product, and a delay, which may be the clock of
+/// all, before a filter that is none better.
+TEST(Adequacy, WhatIsBelievedSoonerIsTriedFirst) {
+  const auto found = [](const char* id, Kind kind, double nats) {
+    Found f;
+    f.id = id;
+    f.kind = kind;
+    f.gain_nats = f.net_nats = nats;
+    return f;
+  };
+  const auto best = [&](double leans, double filter) {
+    return std::pair{
+        best_explanation(
+            {found("unknown:m*|w|", Kind::kUnknown, 370), found("vertical_world", Kind::kConfiguration, leans)}, true)
+            ->id,
+        best_explanation({found("acc_lpf", Kind::kTiming, filter), found("acc_delay", Kind::kTiming, 900)}, true)->id};
+  };
+  EXPECT_EQ(best(200, 902), std::pair(std::string("vertical_world"), std::string("acc_delay")));
+  EXPECT_EQ(best(100, 950), std::pair(std::string("unknown:m*|w|"), std::string("acc_lpf")));
+}
+
 }  // namespace
 }  // namespace stillpoint::diag

@@ -49,5 +49,30 @@ TEST(Plausible, GravityIsOffByWhatPlacesDifferAndByMoreThanTheScaleOfATranslatio
   EXPECT_TRUE(allowed(0.03));
 }
 
+/// Beside a world that leans by 0.02 m/s^2 the field's reading, taken 0.24 times, takes back ten times as much.
+TEST(Plausible, ALawDoesNotMakeWhatWasFoundSwell) {
+  const auto config = test::baseline("exact", 60.0);
+  const Result<Signals> s = make_signals(test::record(config, "", {}, 3), config, {});
+  ASSERT_TRUE(s);
+  SensorSearch search = start_search(*s, kAcc);
+  Found leans;
+  leans.id = "vertical_world";
+  leans.kind = Kind::kConfiguration;
+  leans.names = {"east"};
+  leans.columns = {{-1, s->world_axis[0]}};
+  const Series3 product = 0.1 * s->vector[kGyr].cwiseProduct(s->vector[kGyr]);
+  search.target.residual += 0.02 * leans.columns[0].x + product;
+  search.found = {leans};
+  const Fit before = fit_profile(search.target, search.explained());
+  Found law;
+  law.names = {"k"};
+  const auto moves = [&](const Series3& column) {
+    law.columns = {{-1, column}};
+    return moves_the_others(search, before, fit_profile(search.target, joined(search.explained(), law.columns)));
+  };
+  EXPECT_TRUE(moves(product + 0.2 * leans.columns[0].x));
+  EXPECT_FALSE(moves(product));
+}
+
 }  // namespace
 }  // namespace stillpoint::diag
