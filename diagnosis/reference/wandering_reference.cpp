@@ -11,8 +11,9 @@ namespace {
 
 constexpr int kHarmonics = 8;   // of the recording's length: turns of more than 15 s a minute
 constexpr int kMostTurns = 24;  // where it was seen to wander: what was not seen of it is still there
-// Of what it leaves over: laws that were there had a twelfth of it or more, those that were not a 150th at most.
-constexpr double kTrace = 0.02;
+// Of what it leaves over, where a law does a tenth of its most: laws that were there had a fortieth of it or more,
+// those that were not an eightieth at most.
+constexpr double kTrace = 0.016, kTenthOfItsMost = 0.01;  // the latter of the power
 constexpr double kWanders_rad = 3e-3;  // cameras keep their calibration to half a milliradian, markers on skin do not
 
 /// phi(t) x v, phi a sum of cosines over the recording; its mean is a wrong matrix.
@@ -61,7 +62,8 @@ bool as_small_as_wandering(const Signals& s, const SensorSearch& search, const F
 bool is_a_trace_of_the_cameras(const Signals& s, const SensorSearch& search, const Found& law, const Fit& beside) {
   if (s.exact_reference || s.from_log || !is_unknown(law.id) || law.offset.size()) return false;
   const Series3 alone = effect_of(law, beside), effect = beyond_matrix(search, alone);
-  const Series acts = (alone.rowwise().squaredNorm().array() > 0.0).cast<double>();
+  const Eigen::ArrayXd power = alone.rowwise().squaredNorm();
+  const Series acts = (power > kTenthOfItsMost * power.maxCoeff()).cast<double>();
   return effect.norm() < kTrace * (acts.asDiagonal() * beside.leftover).norm();
 }
 
