@@ -123,8 +123,8 @@ Found most_believable(const std::vector<Found>& sorted, bool current_recorded) {
   const Found& best = sorted.front();
   const auto first = [&sorted](const auto& holds) { return first_of(sorted, holds); };
   if (best.kind == Kind::kUnknown) {
-    // That the reference's world leans is believed before a product is that explains not much more; what is left of
-    // the product is found beside it.
+    // That the reference's world leans, the given field is wrong or the body vibrates is believed before a product is
+    // that explains not much more; what is left of the product is found beside it.
     const Found* set_up = first([](const Found& f) { return f.kind == Kind::kConfiguration; });
     if (set_up != nullptr && set_up->net_nats > kSetUpShare * best.net_nats) return *set_up;
     const Found* named = first([](const Found& f) { return f.kind != Kind::kUnknown; });

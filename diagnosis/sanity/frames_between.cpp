@@ -91,6 +91,13 @@ bool is_noisy(const auto& path, const std::vector<std::size_t>& bent, const Stra
   return size.size() > p.least_bends && median(std::move(change)) > p.noise * median(std::move(size));
 }
 
+/// Whether every row between two was seen not to bend: beside a row that is missing nothing was.
+bool is_seen_between(const auto& path, std::size_t a, std::size_t b) {
+  for (std::size_t i = a + 1; i < b; ++i)
+    if (!path.bend(i).allFinite()) return false;
+  return true;
+}
+
 /// Marks the frames over which one line was drawn although the body moved: they were lost.
 void mark_lost_frames(const auto& path, const std::vector<std::size_t>& bent, const Straightness& p, DrawnRows& out) {
   std::size_t neighbours = 0;
@@ -101,7 +108,7 @@ void mark_lost_frames(const auto& path, const std::vector<std::size_t>& bent, co
   const std::size_t least = std::max<std::size_t>(2 * out.rows_a_frame, 4);
   for (std::size_t k = 1; k < bent.size(); ++k) {
     const std::size_t a = bent[k - 1], b = bent[k];
-    if (b - a < least || !(path.moved(a, b) > p.moves * path.step)) continue;
+    if (b - a < least || !(path.moved(a, b) > p.moves * path.step) || !is_seen_between(path, a, b)) continue;
     for (std::size_t i = a + 1; i < b; ++i) {
       out.lost_rows += out.drawn[i] ? 0 : 1;
       out.drawn[i] = true;
