@@ -123,6 +123,14 @@ void describe_time(const Signals& s, const Window& window, Finding& out) {
     out.regime = fmt::format("between {:.1f} and {:.1f} s only", begin, end);
 }
 
+double chance_of(const SensorSearch& search, const Found& f) {
+  const auto frequencies =
+      static_cast<std::size_t>(is_line(f.id) || f.id == "mag_flip" ? search.target.layout.n / 2 : 1);
+  const auto tried = static_cast<double>(std::max(search.laws.size() + search.unknown.size(), frequencies));
+  return std::min(1.0, chi_square_tail(2.0 * f.gain_nats, static_cast<double>(f.columns.size())) * tried *
+                           (f.window.local ? 500.0 : 1.0));
+}
+
 Finding finding_from(const Signals& s, const SensorSearch& search, std::size_t index, const Finished& finished,
                      HeldOut held_out) {
   const Found& f = search.found[index];
@@ -134,10 +142,7 @@ Finding finding_from(const Signals& s, const SensorSearch& search, std::size_t i
   channels_of(search, index, finished, out);
   parameters_of(search, index, finished, out);
   out.held_out = std::move(held_out);
-  const auto frequencies = static_cast<std::size_t>(is_line(f.id) || f.id == "mag_flip" ? s.n / 2 : 1);
-  const auto tried = static_cast<double>(std::max(search.laws.size() + search.unknown.size(), frequencies));
-  out.p_value = std::min(1.0, chi_square_tail(2.0 * f.gain_nats, static_cast<double>(f.columns.size())) * tried *
-                                  (f.window.local ? 500.0 : 1.0));
+  out.p_value = chance_of(search, f);
   // A current nearby that was not recorded does what a piece of iron does.
   if (f.id == "mag_hard_step" && !s.current_A.size()) out.equivalent.emplace_back("mag_current");
   // Of a resonance above the band in which bodies move only the flank is seen: the sensor gains what a camera loses.

@@ -5,6 +5,9 @@
 
 namespace stillpoint::diag {
 
+/// Bound of the probability that one of all hypotheses that were tried gains as much by chance.
+[[nodiscard]] double chance_of(const SensorSearch& search, const Found& f);
+
 /// `index`: among what the search has found.
 [[nodiscard]] Finding finding_from(const Signals& s, const SensorSearch& search, std::size_t index,
                                    const Finished& finished, HeldOut held_out);

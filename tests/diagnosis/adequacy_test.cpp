@@ -116,19 +116,22 @@ TEST(Adequacy, ADriverThatHardlyVariedIsNoneOfALaw) {
   }
 }
 
+Found weighed(const char* id, double nats, Kind kind, Window window = {}) {
+  Found f;
+  f.id = id;
+  f.kind = kind;
+  f.window = window;
+  f.gain_nats = f.net_nats = nats;
+  return f;
+}
+
 TEST(Adequacy, AFactorThatWasNotSeenToMatterIsNotNamed) {
   EXPECT_TRUE(is_part_of("unknown:(V-V0)", "unknown:f_x*(V-V0)"));
   EXPECT_TRUE(is_part_of("unknown:(T-T0)", "unknown:(T-T0)*(T-T0)"));
   EXPECT_FALSE(is_part_of("unknown:f_x*(V-V0)", "unknown:f_x*(V-V0)"));
   EXPECT_FALSE(is_part_of("unknown:f", "unknown:f_x*(V-V0)"));
   EXPECT_FALSE(is_part_of("acc_volt", "unknown:f_x*(V-V0)"));
-  const auto found = [](const char* id, double nats) {
-    Found f;
-    f.id = id;
-    f.kind = Kind::kUnknown;
-    f.gain_nats = f.net_nats = nats;
-    return f;
-  };
+  const auto found = [](const char* id, double nats) { return weighed(id, nats, Kind::kUnknown); };
   EXPECT_EQ(best_explanation({found("unknown:f_x*(V-V0)", 900), found("unknown:(V-V0)", 898)}, true)->id,
             "unknown:(V-V0)");
   EXPECT_EQ(best_explanation({found("unknown:f_x*(V-V0)", 900), found("unknown:(V-V0)", 800)}, true)->id,
@@ -137,13 +140,7 @@ TEST(Adequacy, AFactorThatWasNotSeenToMatterIsNotNamed) {
 
 /// About a body that lies still any law of its orientation is a constant while it acts.
 TEST(Adequacy, WhatEndsWhereAStepMayBeginIsTheStep) {
-  const auto found = [](const char* id, double nats, Window window) {
-    Found f;
-    f.id = id;
-    f.window = window;
-    f.gain_nats = f.net_nats = nats;
-    return f;
-  };
+  const auto found = [](const char* id, double nats, Window window) { return weighed(id, nats, Kind::kNamed, window); };
   const Window before{true, 0, 300}, after{true, 300, 1000};
   EXPECT_EQ(best_explanation({found("mag_sat", 900, before), found("mag_hard_step", 899, after)}, true)->id,
             "mag_hard_step");
@@ -155,19 +152,14 @@ TEST(Adequacy, WhatEndsWhereAStepMayBeginIsTheStep) {
 /// What is believed sooner is tried first: a world that leans before a product, and a delay, which may be the clock of
 /// all, before a filter that is none better.
 TEST(Adequacy, WhatIsBelievedSoonerIsTriedFirst) {
-  const auto found = [](const char* id, Kind kind, double nats) {
-    Found f;
-    f.id = id;
-    f.kind = kind;
-    f.gain_nats = f.net_nats = nats;
-    return f;
-  };
   const auto best = [&](double leans, double filter) {
     return std::pair{
         best_explanation(
-            {found("unknown:m*|w|", Kind::kUnknown, 370), found("vertical_world", Kind::kConfiguration, leans)}, true)
+            {weighed("unknown:m*|w|", 370, Kind::kUnknown), weighed("vertical_world", leans, Kind::kConfiguration)},
+            true)
             ->id,
-        best_explanation({found("acc_lpf", Kind::kTiming, filter), found("acc_delay", Kind::kTiming, 900)}, true)->id};
+        best_explanation({weighed("acc_lpf", filter, Kind::kTiming), weighed("acc_delay", 900, Kind::kTiming)}, true)
+            ->id};
   };
   EXPECT_EQ(best(200, 902), std::pair(std::string("vertical_world"), std::string("acc_delay")));
   EXPECT_EQ(best(100, 950), std::pair(std::string("unknown:m*|w|"), std::string("acc_lpf")));

@@ -12,7 +12,7 @@ namespace stillpoint::diag {
 namespace {
 
 /// A law of the catalogue along `column`, which was accepted with a reading that holds `size` of it.
-Answer stated(const Signals& s, const Series3& column, double size) {
+Answer stated(const Signals& s, const Series3& column, double size, double gain_nats = 170.0) {
   EngineResult engine;
   engine.sensor[kAcc] = start_search(s, kAcc);
   SensorSearch& search = *engine.sensor[kAcc];
@@ -22,7 +22,7 @@ Answer stated(const Signals& s, const Series3& column, double size) {
   law.names = {"k"};
   law.units = {"m/s^2/K"};
   law.columns = {{-1, column}};
-  law.gain_nats = 170.0;
+  law.gain_nats = gain_nats;
   search.found = {law};
   Answer answer;
   report_sensor(s, engine, kAcc, {}, answer);
@@ -38,6 +38,17 @@ TEST(Stated, ALawOfWhichNoNumberIsKnownFromZeroIsNot) {
   const Answer nothing = stated(*s, column, 0.0);
   EXPECT_THAT(test::names(nothing), testing::IsEmpty());
   EXPECT_THAT(nothing.diagnosis.notices, testing::Contains(testing::HasSubstr("known from zero")));
+}
+
+TEST(Stated, WhatOneOfSoManyHypothesesGainsByChanceIsNot) {
+  const auto config = test::baseline("exact", 60.0);
+  const Result<Signals> s = make_signals(test::record(config, "", {}, 3), config, {});
+  ASSERT_TRUE(s);
+  const Series3 column = s->vector[kAcc].cwiseProduct(s->vector[kGyr]);
+  EXPECT_THAT(test::names(stated(*s, column, 0.05, 20.0)), testing::ElementsAre("acc_temp_lag"));
+  const Answer by_chance = stated(*s, column, 0.05, 8.0);
+  EXPECT_THAT(test::names(by_chance), testing::IsEmpty());
+  EXPECT_THAT(by_chance.diagnosis.notices, testing::Contains(testing::HasSubstr("by chance")));
 }
 
 /// A line that follows a current is a law of it, if the line is the sensor's.
