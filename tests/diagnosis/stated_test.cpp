@@ -47,7 +47,7 @@ TEST(Stated, WhatOneOfSoManyHypothesesGainsByChanceIsNot) {
   const Series3 column = s->vector[kAcc].cwiseProduct(s->vector[kGyr]);
   EXPECT_THAT(test::names(stated(*s, column, 0.05, 20.0)), testing::ElementsAre("acc_temp_lag"));
   const Answer by_chance = stated(*s, column, 0.05, 8.0);
-  EXPECT_THAT(test::names(by_chance), testing::IsEmpty());
+  EXPECT_THAT(test::names(by_chance), testing::Not(testing::Contains("acc_temp_lag")));
   EXPECT_THAT(by_chance.diagnosis.notices, testing::Contains(testing::HasSubstr("by chance")));
 }
 
