@@ -104,7 +104,7 @@ void IioDevice::add(iio_channel* channel) {
   if (!kind) return;
   if (const auto scale = scale_of(channel, kind->unit))
     channels_.push_back({channel, *kind, *scale, element_of(channel)});
-  else if (unscaled_.empty())
+  else if (kind->part != kTemp && unscaled_.empty())
     unscaled_ = iio_channel_get_id(channel);
 }
 

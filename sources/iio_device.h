@@ -36,7 +36,8 @@ class IioDevice {
   /// "iio:device0": no two of a context have the same, as they may the same name.
   [[nodiscard]] std::string id() const;
   [[nodiscard]] std::uint8_t parts() const noexcept { return parts_; }
-  /// A channel of which the driver does not tell the scale or the offset that it has; empty: it tells all.
+  /// A channel of motion of which the driver does not tell the scale or the offset that it has; empty: it tells all. A
+  /// thermometer of that kind is left out.
   [[nodiscard]] const std::string& unscaled() const noexcept { return unscaled_; }
   /// Samples can be streamed by the kernel; otherwise the values are read one by one.
   [[nodiscard]] bool can_stream() const noexcept { return can_stream_; }

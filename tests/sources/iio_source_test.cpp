@@ -232,6 +232,19 @@ TEST(IioSource, BesideOneThatDoesNotTellItsScaleTheOthersAreRead) {
   EXPECT_NE(why.find("magn_3d does not tell"), std::string::npos) << why;
 }
 
+TEST(IioSource, AThermometerThatDoesNotTellItsScaleIsLeftOut) {
+  const std::uint16_t port = test::free_port();
+  FakeDevice warm = accelerometer();
+  warm.channels_xml +=
+      R"(<channel id="temp" type="input"><attribute name="raw" filename="r" /><attribute name="scale" filename="s" /></channel>)";
+  const FakeIiod iiod({warm}, port);
+  IioSource source(params_of(port), 0.2);
+  Arrival out;
+  ASSERT_TRUE(test::eventually_sample(source, out));
+  EXPECT_TRUE(vec(out.sample.acc_mps2).isApprox(Vec3(-0.98, 1.96, 9.8)));
+  EXPECT_EQ(out.sample.has & kTemp, 0);
+}
+
 TEST(IioSource, TheKernelKeepsASecondOfWhatIsNotFetched) {
   const std::uint16_t port = test::free_port();
   FakeIiod iiod({accelerometer()}, port);
