@@ -74,7 +74,10 @@ class Mutation(unittest.TestCase):
         for name, (pattern, targets) in mutants.MODULES.items():
             self.assertTrue([p for p in mutants.sources() if re.match(pattern, p)], name)
             for target in targets:
-                self.assertTrue(list((SOURCE / "tests" / target.removeprefix("test_")).glob("*_test.cpp")), target)
+                program, _, chosen = target.partition(":")
+                tests = [t.read_text() for t in (SOURCE / "tests" / program.removeprefix("test_")).glob("*_test.cpp")]
+                self.assertTrue(tests, target)
+                self.assertTrue(any(chosen.strip("*") in text for text in tests), target)
 
 
 if __name__ == "__main__":
