@@ -26,6 +26,7 @@ inline constexpr const char* kBodyVibration = "body_vibration";
 
 /// Of a reference, not of the simulation: its attitudes are smoothed.
 inline constexpr const char* kSmoothedReference = "ref_smoothed";
+inline constexpr const char* kTurnedAttitudes = "attitude_world";  ///< against the world of the positions
 
 /// The one coefficient of a law that acts as a whole or not at all; with less of itself it stands for another law.
 inline const std::vector<std::string> kWholeOrNothing{"share"};

@@ -207,6 +207,26 @@ void hold_still_at_rest(const Mask& rest, Motion& m) {
     if (rest[static_cast<std::size_t>(i)]) m.rate.row(i).setZero(), m.acceleration.row(i).setZero();
 }
 
+/// The poses of each rest without noise: the attitude at its mean, the place on a straight line, for to the sensors a
+/// steady drive is a rest as well. Their derivatives beside the rests sum to nothing over the edges; those of noise
+/// that is cut off at an edge do not.
+void keep_edges_of_rests(Signals& s, Turns q, Series3 p, const Motion& m) {
+  const auto rests = [&s](Eigen::Index i) { return s.rest[static_cast<std::size_t>(i)] != 0; };
+  each_run(s.n, rests, [&](Eigen::Index begin, Eigen::Index end) {
+    const Eigen::Index length = end - begin;
+    auto turns = q.middleRows(begin, length);
+    turns.rowwise() = turns.colwise().mean().eval();
+    if (!s.has_position) return;
+    auto places = p.middleRows(begin, length);
+    const Series along = Series::LinSpaced(length, -1.0, 1.0);
+    const Eigen::RowVector3d mean = places.colwise().mean(),
+                             slope = along.transpose() * places / std::max(along.squaredNorm(), 1e-9);
+    places = (along * slope).rowwise() + mean;
+  });
+  s.edges_of_rests[kGyr] = rate_from(q, s.rows) - m.rate;
+  if (s.has_position) s.edges_of_rests[kAcc] = in_body(s, second_derivative(p, s.rows) - m.acceleration);
+}
+
 void predict_readings(Signals& s, const Turns& q, const Motion& m) {
   for (auto& axis : s.world_axis) axis.resize(s.n, 3);
   for (Eigen::Index i = 0; i < s.n; ++i) {
@@ -257,6 +277,7 @@ Mask predict(Signals& s, const io::Recording& recording, Eigen::Index rows_a_fra
                     of_stamps);
   if (!s.exact_reference) hold_still_at_rest(s.rest, m);
   predict_readings(s, q, m);
+  if (!s.exact_reference) keep_edges_of_rests(s, q, p, m);
   return lost;
 }
 

@@ -83,6 +83,12 @@ Reads reads(const Signals& s, Sensor k, const Layout& layout, const Fit& fit) {
   return out;
 }
 
+std::string set_up_words(Sensor sensor, const std::string& id) {
+  if (sensor == kMag) return "field_world_uT is wrong: another constant field fits";
+  return id == kTurnedAttitudes ? "the world of the reference's attitudes is turned against that of its positions"
+                                : "the vertical of the reference's world is not that of gravity";
+}
+
 void configuration_of(const Signals& s, const SensorSearch& search, const Finished& finished, Answer& answer) {
   Diagnosis& out = answer.diagnosis;
   const std::string sensor = kSensorName[search.sensor];
@@ -93,9 +99,7 @@ void configuration_of(const Signals& s, const SensorSearch& search, const Finish
       out.notices.push_back(fmt::format(
           "reference: its attitudes are smoothed, or drawn as lines between slower frames; allowed for in {}", sensor));
     else if (f.kind == Kind::kConfiguration)
-      out.configuration.push_back({sensor, search.sensor == kMag
-                                               ? "field_world_uT is wrong: another constant field fits"
-                                               : "the vertical of the reference's world is not that of gravity"});
+      out.configuration.push_back({sensor, set_up_words(search.sensor, f.id)});
   const bool thermal = std::any_of(search.found.begin(), search.found.end(), [](const Found& f) {
     return f.id.find("_temp_") != std::string::npos || f.id.find("_volt") != std::string::npos ||
            f.id.find("current") != std::string::npos;

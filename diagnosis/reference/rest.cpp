@@ -94,6 +94,17 @@ void wake_where_reference_moves(Mask& rest, const Series3& rate_radps, const Ser
   wake(rest, [&](Eigen::Index begin, Eigen::Index end) {
     return typical(turning, begin, end) >= still_radps || typical(going, begin, end) >= still_mps;
   });
+  // A car that brakes and stands: as quiet all along, at rest in the end. A single frame that is wrong is no motion.
+  constexpr double kMoves_s = 0.5;
+  const auto moves = [&](Eigen::Index i) {
+    return rest[static_cast<std::size_t>(i)] &&
+           (turning[i] >= still_radps * still_radps || going[i] >= still_mps * still_mps);
+  };
+  each_run(n, moves, [&](Eigen::Index begin, Eigen::Index end) {
+    if (static_cast<double>(end - begin) * dt_s < kMoves_s) return;
+    for (Eigen::Index i = std::max<Eigen::Index>(0, begin - half); i < std::min(n, end + half); ++i)
+      rest[static_cast<std::size_t>(i)] = 0;
+  });
 }
 
 void wake_where_both_move(Mask& rest, const Signals& s, const Series3& rate_radps) {

@@ -44,6 +44,8 @@ struct Signals {
   std::array<Series3, kSensors> predicted;       ///< from the reference
   std::array<Series3, kSensors> residual;        ///< reading - predicted
   std::array<Series3, kSensors>
+      edges_of_rests;  ///< of a noisy reference: not in `predicted`, which sums to what moves with them; or empty
+  std::array<Series3, kSensors>
       vector;                        ///< best estimate of the true vector: the reference when exact, else the reading
   std::array<Mask, kSensors> muted;  ///< samples that say nothing about this sensor's residual
   std::array<bool, kSensors> unresolved{};  ///< the body vibrates too fast for the reference: kept rows err with it too

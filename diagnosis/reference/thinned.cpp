@@ -37,7 +37,7 @@ Signals thinned(const Signals& s, Eigen::Index factor) {
   out.t_s = means_of_rows(s.t_s, factor);
   for (auto* group : {&out.reading, &out.predicted, &out.residual})
     for (std::size_t k = 0; k < group->size(); ++k) (*group)[k] = means_of_measured((*group)[k], s.muted[k], factor);
-  for (auto* group : {&out.vector, &out.world_axis})
+  for (auto* group : {&out.vector, &out.world_axis, &out.edges_of_rests})
     for (Series3& x : *group) x = means_of_rows(x, factor);
   for (Series3* x : {&out.rate, &out.rate_dot, &out.position_m, &out.vibration, &out.given_rate})
     *x = means_of_rows(*x, factor);

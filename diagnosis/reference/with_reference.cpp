@@ -12,6 +12,7 @@
 #include "diagnosis/reference/findings.h"
 #include "diagnosis/reference/given_effects.h"
 #include "diagnosis/reference/lines_in_readings.h"
+#include "diagnosis/reference/slow_look.h"
 #include "diagnosis/reference/surplus.h"
 #include "diagnosis/reference/twins.h"
 #include "diagnosis/summary.h"
@@ -23,6 +24,8 @@ constexpr double kShortest_s = 20.0;
 constexpr Eigen::Index kLeastRows = 500;  // of a sensor, to say anything of it
 constexpr double kMostSamples = 16000.0;  // more are thinned by whole factors, down to the step below
 constexpr double kFastEnough_s = 0.0201;  // nothing that bodies do needs more than 50 Hz
+constexpr const char* kSeenSlowly =
+    "{}: looked at in means over 0.3 s, a row every 0.1 s: what the reference errs by from row to row hides less there";
 
 /// White noise of a sensor at rest against the configured one: differences of neighbours do not see the reference.
 void compare_noise(const Signals& s, Answer& answer) {
@@ -124,6 +127,16 @@ Eigen::Index thinning_of(const Signals& s, Eigen::Index merged) {
       1, static_cast<Eigen::Index>(std::min(static_cast<double>(rows) / kMostSamples, kFastEnough_s / step_s)));
 }
 
+/// What these rows show, of the catalogue and outside of it.
+EngineResult searched(Signals& s, const std::vector<std::string>& without, std::size_t twins,
+                      const std::function<void(double)>& progress, Answer& answer) {
+  EngineResult engine = search_all(s, without, progress);
+  if (twins > 0)
+    for (auto& line : gate_by_twins(s, engine, twins)) answer.diagnosis.notices.push_back(std::move(line));
+  discover(s, engine);
+  return engine;
+}
+
 /// Whoever sees an effect of the whole clock best speaks first.
 std::vector<Sensor> speaking_order(const EngineResult& engine) {
   std::vector<Sensor> order;
@@ -170,13 +183,17 @@ Answer diagnose_with_reference(const ReferencedRows& rows, const sim::Simulation
   take_out_wandering(s, answer);
   find_jitter(s, simulation, answer);
   if (factor > 1) s = thinned(s, factor);
-  EngineResult engine = search_all(s, without, progress);
-  if (twins > 0)
-    for (auto& line : gate_by_twins(s, engine, twins)) answer.diagnosis.notices.push_back(std::move(line));
-  discover(s, engine);
+  const EngineResult engine = searched(s, without, twins, progress, answer);
+  std::optional<Signals> slow = slow_rows(s);
+  EngineResult in_slow_rows = slow ? searched(*slow, without, twins, {}, answer) : EngineResult{};
+  keep_what_is_slow(in_slow_rows);
   const std::size_t kept = answer.diagnosis.findings.size();
-  for (const Sensor k : speaking_order(engine))
-    if (engine.sensor[k]) report_sensor(s, engine, k, given, answer);
+  for (const Sensor k : speaking_order(engine)) {
+    if (!engine.sensor[k]) continue;
+    const bool slowly = slow && is_seen_better(in_slow_rows, engine, k);
+    if (slowly) answer.diagnosis.notices.push_back(fmt::format(kSeenSlowly, kSensorName[k]));
+    report_sensor(slowly ? *slow : s, slowly ? in_slow_rows : engine, k, given, answer);
+  }
   for (const Sensor k : {kAcc, kGyr, kMag})
     if (engine.sensor[k]) report_surplus_walk(*engine.sensor[k], s, given, answer);
   keep_what_was_right(simulation.effects, answer);

@@ -1,0 +1,51 @@
+/// Which rows are rest, where the reference has a say.
+#include "diagnosis/reference/rest.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+namespace stillpoint::diag {
+namespace {
+
+constexpr double kDt_s = 0.01;
+constexpr Eigen::Index kRows = 1000, kBegin = 200, kEnd = 800;
+
+Mask quiet() {
+  Mask rest(kRows, 0);
+  std::fill(rest.begin() + kBegin, rest.begin() + kEnd, std::uint8_t{1});
+  return rest;
+}
+
+/// The rows of a rest that stay one beside a reference with this velocity along x, m/s.
+Mask left_of(const Series& velocity_mps) {
+  Series3 velocity = Series3::Zero(kRows, 3);
+  velocity.col(0) = velocity_mps;
+  Mask rest = quiet();
+  wake_where_reference_moves(rest, Series3::Zero(kRows, 3), velocity, kDt_s, false);
+  return rest;
+}
+
+TEST(Rest, ACarThatBrakesAndStandsIsAtRestWhenItStands) {
+  Series v = Series::Zero(kRows);
+  for (Eigen::Index i = 0; i < 400; ++i) v[i] = 0.02 * static_cast<double>(400 - i) / 4.0;  // stands from 4 s on
+  const Mask rest = left_of(v);
+  EXPECT_EQ(std::count(rest.begin() + kBegin, rest.begin() + 390, 1), 0);
+  EXPECT_EQ(std::count(rest.begin() + 440, rest.begin() + kEnd, 1), kEnd - 440);
+}
+
+TEST(Rest, AFrameThatIsWrongIsNoMotion) {
+  Series v = Series::Zero(kRows);
+  v[500] = 2.0, v[501] = -2.0;  // 2 cm in one row
+  EXPECT_EQ(left_of(v), quiet());
+}
+
+TEST(Rest, WhatMovesForMostOfItIsNoRest) {
+  Series v = Series::Constant(kRows, 0.1);
+  v.segment(700, 100).setZero();
+  const Mask rest = left_of(v);
+  EXPECT_EQ(std::count(rest.begin(), rest.end(), 1), 0);
+}
+
+}  // namespace
+}  // namespace stillpoint::diag
