@@ -201,13 +201,21 @@ laws::Signature signature_of(const laws::Columns& drivers) {
   return laws::drivers_with(users);
 }
 
+/// Where the force is gravity alone, what is left of its size is the reading's own noise and wrong numbers: times the
+/// force it would explain that noise by itself.
+bool is_felt(const Eigen::MatrixXd& force) {
+  constexpr double kFelt_mps2 = 0.1;
+  const Eigen::ArrayXd size = force.rowwise().norm();
+  return (size - size.mean()).matrix().norm() > kFelt_mps2 * std::sqrt(static_cast<double>(size.size()));
+}
+
 std::vector<std::string> scalar_factors(const laws::Columns& drivers) {
   std::vector<std::string> out{"norm(w)"};
   const auto has = [&](const char* name) { return drivers.values.contains(name); };
   if (has("T")) out.insert(out.end(), {"(T - 25)", "d(T)"});
   if (has("V")) out.emplace_back("(V - 3.7)");
   if (has("I")) out.emplace_back("I");
-  if (has("f")) out.emplace_back("(norm(f) - 9.81)");
+  if (has("f") && is_felt(drivers.values.at("f"))) out.emplace_back("(norm(f) - 9.81)");
   for (const auto& [name, x] : drivers.values)
     if (name.find('_') != std::string::npos && name.find('(') == std::string::npos) out.push_back(name);
   out.emplace_back("t");
