@@ -36,8 +36,8 @@ class Ideas {
       if (x != "t" && x != "norm(w)") add("abs(" + x + ")"), add("sign(" + x + ")");
       thresholds(x);
       for (const auto& y : scalars_)
-        if (x < y) add(x + " * " + y);
-      for (const auto& c : components_) add(x + " * " + c);
+        if (x < y) add(fmt::format("{} * {}", x, y));
+      for (const auto& c : components_) add(fmt::format("{} * {}", x, c));
     }
     for (const auto& [name, values] : drivers_.values) {
       if (values.cols() != 1 || name.find('(') != std::string::npos) continue;
@@ -55,10 +55,10 @@ class Ideas {
       const bool own = x.substr(0, 1) == own_;
       if (!own) add(x), add("d(" + x + ")");
       add("abs(" + x + ")"), add(x + "^3"), add("sign(" + x + ")"), add("abs(" + x + ")^0.5"), add("d(" + x + ")^2");
-      add(x + " * abs(" + x + ")");
-      for (std::size_t b = a; b < components_.size(); ++b) add(x + " * " + components_[b]);
+      add(fmt::format("{0} * abs({0})", x));
+      for (std::size_t b = a; b < components_.size(); ++b) add(fmt::format("{} * {}", x, components_[b]));
       for (const auto& y : components_)
-        if (y[0] != x[0] || y == x) add("d(" + y + ") * " + x);
+        if (y[0] != x[0] || y == x) add(fmt::format("d({}) * {}", y, x));
     }
   }
 
@@ -68,15 +68,15 @@ class Ideas {
       add_matrix("d(" + v + ")");  // axis by axis of the reading itself it is a delay
       both("lag(" + v + ", {})", lags(kLongestOfMotion), "tau");
       add_powers(v);
-      for (const auto& c : components_) add_matrix(v + " * " + c);
+      for (const auto& c : components_) add_matrix(fmt::format("{} * {}", v, c));
       for (const auto& x : scalars_) {
-        both(v + " * " + x);
-        add("d(" + v + ") * " + x);
+        both(fmt::format("{} * {}", v, x));
+        add(fmt::format("d({}) * {}", v, x));
       }
       for (const auto& u : vectors_) {
         if (u <= v) continue;
-        add("cross(" + v + ", " + u + ")"), add(v + " * " + u);
-        both("cross(d(" + v + "), " + u + ")"), both("cross(d(" + u + "), " + v + ")");
+        add(fmt::format("cross({}, {})", v, u)), add(fmt::format("{} * {}", v, u));
+        both(fmt::format("cross(d({}), {})", v, u)), both(fmt::format("cross(d({}), {})", u, v));
       }
     }
     for (const char* triple : {"cross(w, cross(w, f))", "cross(w, cross(w, m))", "cross(d(w), w)"})
@@ -275,10 +275,10 @@ std::vector<Idea> event_ideas(Sensor sensor, std::span<const double> moments_s) 
   for (const double moment_s : moments_s) {
     const std::string at = fmt::format("{:.6g}", moment_s), settles = "exp(-(t - " + at + ") / {})";
     for (const bool matrix : {false, true}) {
-      const std::string on = (matrix ? own + " * " : "") + "step(t, " + at + ")";
+      const std::string on = fmt::format("{}step(t, {})", matrix ? own + " * " : "", at);
       out.push_back({{on}, {}, {}, {0.0}, matrix});
-      out.push_back({{on + " * " + settles}, "tau", "s", tau, matrix, {}, 1});
-      out.push_back({{on + " * (1 - " + settles + ")"}, "tau", "s", tau, matrix, {}, 1});
+      out.push_back({{fmt::format("{} * {}", on, settles)}, "tau", "s", tau, matrix, {}, 1});
+      out.push_back({{fmt::format("{} * (1 - {})", on, settles)}, "tau", "s", tau, matrix, {}, 1});
     }
   }
   return out;

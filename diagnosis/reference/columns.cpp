@@ -2,6 +2,9 @@
 
 #include <cmath>
 
+#include "core/cross_rows.h"
+#include "diagnosis/reference/differences.h"
+
 namespace stillpoint::diag {
 
 Columns on_each_axis(const Series& x) { return {{0, x}, {1, x}, {2, x}}; }
@@ -96,6 +99,18 @@ Series3 at_rest_zero(const Signals& s, Series3 x) {
   for (Eigen::Index i = 0; i < s.n; ++i)
     if (s.rest[static_cast<std::size_t>(i)]) x.row(i).setZero();
   return x;
+}
+
+Columns turned_columns(const Signals& s) {
+  const auto about = [&s](std::size_t axis) { return cross_rows(s.world_axis[axis], s.vector[kAcc]); };
+  return coupled({about(0), about(1), about(2)});
+}
+
+Columns smoothing_columns(const Signals& s, Sensor sensor, bool places) {
+  if (sensor == kGyr) return coupled({-derivative(s.rate_dot, s.rows) - cross_rows(s.rate, s.rate_dot)});
+  Series3 out = cross_rows(s.rate_dot, s.vector[sensor]);
+  if (places) out -= at_rest_zero(s, in_body(s, second_derivative(in_world(s, s.vector[kAcc]), s.rows)));
+  return coupled({out});
 }
 
 }  // namespace stillpoint::diag

@@ -33,6 +33,12 @@ namespace stillpoint::diag {
 [[nodiscard]] Columns gradient_columns(const Signals& s);
 /// The gradient with these five numbers.
 [[nodiscard]] Mat3 gradient_of(const Eigen::Ref<const Eigen::VectorXd>& five);
+/// R' (d x R f): what the accelerometer shows where the attitudes' world is turned by d against that of the positions.
+[[nodiscard]] Columns turned_columns(const Signals& s);
+/// What one sensor shows of a reference that is smoothed over s, or drawn as lines between frames s sqrt(6) apart, by
+/// s^2/2. The second derivative of an attitude is a turn of omega' of the body: vectors turn by it, rates differ by its
+/// own rate, omega'' + omega x omega'. With `places` those are smoothed as well, and so is the acceleration.
+[[nodiscard]] Columns smoothing_columns(const Signals& s, Sensor sensor, bool places);
 [[nodiscard]] Series3 at_rest_zero(const Signals& s, Series3 x);
 
 }  // namespace stillpoint::diag

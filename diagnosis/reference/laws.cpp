@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include "core/cross_rows.h"
 #include "diagnosis/reference/columns.h"
 #include "diagnosis/reference/hidden_rail.h"
 #include "diagnosis/reference/separable.h"
@@ -182,12 +181,8 @@ class LawList {
     }
     if (!s.exact_reference && s.has_position) {  // two systems, or one that levels its attitudes by itself
       Law& turned = add(
-          kTurnedAttitudes,
-          [&s](double) {
-            const auto about = [&s](std::size_t axis) { return cross_rows(s.world_axis[axis], s.vector[kAcc]); };
-            return coupled({about(0), about(1), about(2)});
-          },
-          {"d_x", "d_y", "d_z"}, "rad", "delta = R' (d x R f)", "specific force");
+          kTurnedAttitudes, [&s](double) { return turned_columns(s); }, {"d_x", "d_y", "d_z"}, "rad",
+          "delta = R' (d x R f)", "specific force");
       turned.kind = Kind::kConfiguration;
       turned.extent = Extent::kWhole;
     }
@@ -265,27 +260,12 @@ class LawList {
     field.extent = Extent::kWhole;
   }
 
-  /// Smoothed over s, or drawn as lines between frames s sqrt(6) apart, a reference errs by s^2/2 of its second
-  /// derivative: attitudes turn by s^2/2 omega' then, rates by that turn's derivative seen from the body, and places
-  /// where they are smoothed as well.
   void smoothed_reference() {
     const Signals& s = s_;
     if (s.exact_reference) return;
-    const auto of_attitudes = [&s, k = sensor_] {
-      return k == kGyr ? Series3(-derivative(s.rate_dot, s.rows) - cross_rows(s.rate, s.rate_dot))
-                       : cross_rows(s.rate_dot, s.vector[k]);
-    };
-    const auto of_places = [&s] {
-      return at_rest_zero(s, in_body(s, -second_derivative(in_world(s, s.vector[kAcc]), s.rows)));
-    };
     Law& smoothed = add(
-        kSmoothedReference,
-        [=](double places) -> Columns {
-          return coupled({places > 0.0 ? Series3(of_attitudes() + of_places()) : of_attitudes()});
-        },
-        {"half_square"}, "s^2",
-        "delta = s^2/2 omega' x true, - s^2/2 R' a''; of a rate - s^2/2 (omega'' + omega x omega')",
-        "angular acceleration");
+        kSmoothedReference, [&s, k = sensor_](double places) { return smoothing_columns(s, k, places > 0.0); },
+        {"half_square"}, "s^2", "delta = s^2/2 omega' x true", "angular acceleration");
     if (sensor_ == kAcc && s.has_position) smoothed.shapes = {0.0, 1.0};
     smoothed.kind = Kind::kConfiguration;
     smoothed.extent = Extent::kWhole;

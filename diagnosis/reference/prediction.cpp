@@ -207,21 +207,29 @@ void hold_still_at_rest(const Mask& rest, Motion& m) {
     if (rest[static_cast<std::size_t>(i)]) m.rate.row(i).setZero(), m.acceleration.row(i).setZero();
 }
 
+/// rms over the rows.
+template <class Columns>
+double rms_of(const Columns& x) {
+  return std::sqrt(x.squaredNorm() / static_cast<double>(x.rows()));
+}
+
 /// The poses of each rest without noise: the attitude at its mean, the place on a straight line, for to the sensors a
 /// steady drive is a rest as well. Their derivatives beside the rests sum to nothing over the edges; those of noise
-/// that is cut off at an edge do not.
+/// that is cut off at an edge do not. What is off by more than a camera's noise was no rest, and stays as it was seen.
 void keep_edges_of_rests(Signals& s, Turns q, Series3 p, const Motion& m) {
+  constexpr double kCameras_rad = 2e-3, kCameras_m = 1e-3;
   const auto rests = [&s](Eigen::Index i) { return s.rest[static_cast<std::size_t>(i)] != 0; };
   each_run(s.n, rests, [&](Eigen::Index begin, Eigen::Index end) {
     const Eigen::Index length = end - begin;
     auto turns = q.middleRows(begin, length);
-    turns.rowwise() = turns.colwise().mean().eval();
+    const Turns still = turns.colwise().mean().replicate(length, 1);
+    if (2.0 * rms_of(Turns(turns - still)) < kCameras_rad) turns = still;
     if (!s.has_position) return;
     auto places = p.middleRows(begin, length);
     const Series along = Series::LinSpaced(length, -1.0, 1.0);
-    const Eigen::RowVector3d mean = places.colwise().mean(),
-                             slope = along.transpose() * places / std::max(along.squaredNorm(), 1e-9);
-    places = (along * slope).rowwise() + mean;
+    const Eigen::RowVector3d slope = along.transpose() * places / std::max(along.squaredNorm(), 1e-9);
+    const Series3 line = (along * slope).rowwise() + places.colwise().mean();
+    if (rms_of(Series3(places - line)) < kCameras_m) places = line;
   });
   s.edges_of_rests[kGyr] = rate_from(q, s.rows) - m.rate;
   if (s.has_position) s.edges_of_rests[kAcc] = in_body(s, second_derivative(p, s.rows) - m.acceleration);
@@ -255,8 +263,10 @@ void mute_beside(const Mask& lost, Eigen::Index reach, Mask& muted) {
 
 Mask predict(Signals& s, const io::Recording& recording, Eigen::Index rows_a_frame) {
   Mask lost = mute_lost_reference(s, recording);
-  const Turns given_q = turns_of(recording), q = bridged(given_q);
-  const Series3 given_p = places_of(recording), p = bridged(given_p);
+  const Turns given_q = turns_of(recording);
+  const Series3 given_p = places_of(recording);
+  Turns q = bridged(given_q);
+  Series3 p = bridged(given_p);
   s.rows = times_of_rows(s.t_s, s.dt_s, given_q, given_p);
   Motion m = motion_of(s, q, p);
   const double own_jitter = s.rows.even() ? jitter_without_rest(q, rows_a_frame) : 2.0 * roughness(given_q, s.rows);
@@ -277,7 +287,7 @@ Mask predict(Signals& s, const io::Recording& recording, Eigen::Index rows_a_fra
                     of_stamps);
   if (!s.exact_reference) hold_still_at_rest(s.rest, m);
   predict_readings(s, q, m);
-  if (!s.exact_reference) keep_edges_of_rests(s, q, p, m);
+  if (!s.exact_reference) keep_edges_of_rests(s, std::move(q), std::move(p), m);
   return lost;
 }
 
