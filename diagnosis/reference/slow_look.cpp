@@ -1,9 +1,9 @@
 #include "diagnosis/reference/slow_look.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <string_view>
+#include <set>
+#include <string>
 
 #include "diagnosis/discovery/law_words.h"
 #include "diagnosis/reference/evidence.h"
@@ -29,16 +29,24 @@ Matrix in_triangles(const Matrix& x, Eigen::Index factor) {
   return means(means(x, 0, factor - 1), factor - 1, 0);
 }
 
-/// Whether anything but the motion drives it. What moves with the body shows in all rows, and is not linear in means.
-bool is_slow(const Found& f) {
-  if (f.kind == Kind::kNamed) return f.id.find("_temp_") != std::string::npos || f.id.ends_with("_volt");
-  const auto tree = law_tree(f.id);
-  if (!tree) return false;
+/// What drives it but the motion. What moves with the body shows in all rows, and is not linear in means.
+std::set<std::string> slow_drivers(const Found& f) {
+  if (f.id.find("_temp_") != std::string::npos) return {"T"};
+  if (f.id.ends_with("_volt")) return {"V"};
+  const auto tree = f.kind == Kind::kUnknown ? law_tree(f.id) : std::nullopt;
+  if (!tree) return {};
   const std::vector<std::string> drivers = laws::drivers_of(*tree);
-  constexpr std::array<std::string_view, 7> kMotion{"w", "f", "m", "p", "east", "north", "up"};
-  return std::any_of(drivers.begin(), drivers.end(), [&](const std::string& d) {
-    return std::find(kMotion.begin(), kMotion.end(), d) == kMotion.end();
-  });
+  std::set<std::string> out(drivers.begin(), drivers.end());
+  for (const char* motion : {"w", "f", "m", "p", "east", "north", "up"}) out.erase(motion);
+  return out;
+}
+
+/// Whether all rows show the same drivers: then the form of the law is theirs to tell.
+bool is_the_same_cause(const SensorSearch& slow, const SensorSearch& fast) {
+  std::set<std::string> here, there;
+  for (const Found& f : slow.found) here.merge(slow_drivers(f));
+  for (const Found& f : fast.found) there.merge(slow_drivers(f));
+  return !there.empty() && std::includes(here.begin(), here.end(), there.begin(), there.end());
 }
 
 double gain_of(const SensorSearch& search) {
@@ -90,7 +98,7 @@ void keep_what_is_slow(EngineResult& in_slow_rows) {
         const HeldOut h = held_out_by_regime(*search, {i});
         return !is_judged(h) || h.share_ci95[0] >= kSurely;
       };
-      if (!is_slow(search->found[i]) || !predicts()) take_out(*search, i);
+      if (slow_drivers(search->found[i]).empty() || !predicts()) take_out(*search, i);
     }
   }
 }
@@ -101,7 +109,7 @@ bool is_seen_better(const EngineResult& in_slow_rows, const EngineResult& in_all
   if (!slow || !fast || !in_slow_rows.system.empty()) return false;
   const auto speaks = [sensor](const SystemEffect& e) { return e.lead == sensor; };
   if (std::any_of(in_all_rows.system.begin(), in_all_rows.system.end(), speaks)) return false;
-  return gain_of(*slow) > gain_of(*fast) + kClearly_nats;
+  return gain_of(*slow) > gain_of(*fast) + kClearly_nats && !is_the_same_cause(*slow, *fast);
 }
 
 }  // namespace stillpoint::diag

@@ -17,7 +17,8 @@ namespace stillpoint::diag {
 /// they were not fitted on. Means know little of what moves with the body, and nothing of clocks.
 void keep_what_is_slow(EngineResult& in_slow_rows);
 
-/// Whether a sensor's laws explain clearly more of the slow rows than of all rows, and it has no clock to speak of.
+/// Whether a sensor's laws explain clearly more of the slow rows than of all rows, by another cause than is seen there,
+/// and it has no clock to speak of.
 [[nodiscard]] bool is_seen_better(const EngineResult& in_slow_rows, const EngineResult& in_all_rows, Sensor sensor);
 
 }  // namespace stillpoint::diag

@@ -86,8 +86,15 @@ TEST(SlowLook, IsHeardWhereItExplainsClearlyMore) {
     return r;
   };
   EXPECT_TRUE(is_seen_better(with_gain(140.0), with_gain(100.0), kAcc));
-  EXPECT_FALSE(is_seen_better(with_gain(120.0), with_gain(100.0), kAcc));
+  EXPECT_FALSE(is_seen_better(with_gain(125.0), with_gain(100.0), kAcc));
   EXPECT_FALSE(is_seen_better(with_gain(140.0), with_gain(100.0), kGyr));
+  EngineResult of_a_product = with_gain(140.0), plain = with_gain(100.0), of_another = with_gain(100.0);
+  of_a_product.sensor[kAcc]->found[0].id = "unknown:d(T) * f_z";
+  plain.sensor[kAcc]->found[0].id = "unknown:d(T)";
+  of_another.sensor[kAcc]->found[0].id = "acc_volt";
+  for (EngineResult* r : {&of_a_product, &plain}) r->sensor[kAcc]->found[0].kind = Kind::kUnknown;
+  EXPECT_FALSE(is_seen_better(of_a_product, plain, kAcc)) << "the same cause: all rows tell its form";
+  EXPECT_TRUE(is_seen_better(of_a_product, of_another, kAcc));
   EngineResult of_a_clock = with_gain(100.0);
   of_a_clock.system.push_back({.found = {}, .lead = kAcc, .sensors = {kAcc, kGyr}});
   EXPECT_FALSE(is_seen_better(with_gain(140.0), of_a_clock, kAcc));
