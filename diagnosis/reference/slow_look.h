@@ -7,7 +7,8 @@
 
 namespace stillpoint::diag {
 
-/// Weighted means over 0.3 s, one every 0.1 s, for accelerometer and gyroscope; none where they cannot show more:
+/// Weighted means over 0.3 s, one every 0.1 s (of more than 200 s so many that 2000 are left), for accelerometer and
+/// gyroscope; none where they cannot show more:
 /// beside an exact reference or a log, or of rows that are as slow. The weights are those of a quadratic spline: they
 /// let less than a hundredth of what is faster than 10 Hz pass for something slow, where plain means let derivatives
 /// pass.

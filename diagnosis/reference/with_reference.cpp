@@ -25,7 +25,8 @@ constexpr Eigen::Index kLeastRows = 500;  // of a sensor, to say anything of it
 constexpr double kMostSamples = 16000.0;  // more are thinned by whole factors, down to the step below
 constexpr double kFastEnough_s = 0.0201;  // nothing that bodies do needs more than 50 Hz
 constexpr const char* kSeenSlowly =
-    "{}: looked at in means over 0.3 s, a row every 0.1 s: what the reference errs by from row to row hides less there";
+    "{}: looked at in means over {:.1f} s, a row every {:.1f} s: what the reference errs by from row to row hides less "
+    "there";
 
 /// White noise of a sensor at rest against the configured one: differences of neighbours do not see the reference.
 void compare_noise(const Signals& s, Answer& answer) {
@@ -191,7 +192,8 @@ Answer diagnose_with_reference(const ReferencedRows& rows, const sim::Simulation
   for (const Sensor k : speaking_order(engine)) {
     if (!engine.sensor[k]) continue;
     const bool slowly = slow && is_seen_better(in_slow_rows, engine, k);
-    if (slowly) answer.diagnosis.notices.push_back(fmt::format(kSeenSlowly, kSensorName[k]));
+    if (slowly)
+      answer.diagnosis.notices.push_back(fmt::format(kSeenSlowly, kSensorName[k], 3.0 * slow->dt_s, slow->dt_s));
     report_sensor(slowly ? *slow : s, slowly ? in_slow_rows : engine, k, given, answer);
   }
   for (const Sensor k : {kAcc, kGyr, kMag})
