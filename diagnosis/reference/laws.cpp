@@ -29,6 +29,13 @@ class LawList {
     return laws_.back();
   }
 
+  /// Of the reference or of the simulation's surroundings, and there all the time: no physics of the sensor.
+  static Law& set_up(Law& law) {
+    law.kind = Kind::kConfiguration;
+    law.extent = Extent::kWhole;
+    return law;
+  }
+
   void thermal() {
     if (!s_.temperature_K.size()) return;
     const Signals& s = s_;
@@ -170,21 +177,16 @@ class LawList {
   void accelerometer() {
     const Signals& s = s_;
     if (!s.exact_reference) {  // a camera's world is levelled by hand
-      Law& level = add(
+      set_up(add(
           "vertical_world",
           [&s](double) {
             return coupled({s.world_axis[0], s.world_axis[1]});
           },
-          {"d_x", "d_y"}, "m/s^2", "delta = R' d", "attitude, fixed in the world");
-      level.kind = Kind::kConfiguration;
-      level.extent = Extent::kWhole;
-    }
-    if (!s.exact_reference && s.has_position) {  // two systems, or one that levels its attitudes by itself
-      Law& turned = add(
-          kTurnedAttitudes, [&s](double) { return turned_columns(s); }, {"d_x", "d_y", "d_z"}, "rad",
-          "delta = R' (d x R f)", "specific force");
-      turned.kind = Kind::kConfiguration;
-      turned.extent = Extent::kWhole;
+          {"d_x", "d_y"}, "m/s^2", "delta = R' d", "attitude, fixed in the world"));
+      if (s.has_position)  // of two systems, or one that levels its attitudes by itself
+        set_up(add(
+            kTurnedAttitudes, [&s](double) { return turned_columns(s); }, {"d_x", "d_y", "d_z"}, "rad",
+            "delta = R' (d x R f)", "specific force"));
     }
     if (s.has_position) {
       add(
@@ -253,22 +255,18 @@ class LawList {
       add(
           "mag_current", [&s](double) { return on_each_axis(s.current_A); }, kPerAxis, "uT/A", "delta = k I",
           "current");
-    Law& field = add(
+    set_up(add(
         "field_world", [&s](double) { return world_fixed(s); }, {"d_x", "d_y", "d_z"}, "uT", "delta = R' d",
-        "attitude, fixed in the world");
-    field.kind = Kind::kConfiguration;
-    field.extent = Extent::kWhole;
+        "attitude, fixed in the world"));
   }
 
   void smoothed_reference() {
     const Signals& s = s_;
     if (s.exact_reference) return;
-    Law& smoothed = add(
+    Law& smoothed = set_up(add(
         kSmoothedReference, [&s, k = sensor_](double places) { return smoothing_columns(s, k, places > 0.0); },
-        {"half_square"}, "s^2", "delta = s^2/2 omega' x true", "angular acceleration");
+        {"half_square"}, "s^2", "delta = s^2/2 omega' x true", "angular acceleration"));
     if (sensor_ == kAcc && s.has_position) smoothed.shapes = {0.0, 1.0};
-    smoothed.kind = Kind::kConfiguration;
-    smoothed.extent = Extent::kWhole;
   }
 
   /// What has a memory, bends or scales with a slow driver, or acts everywhere: a short stretch of it is another law.

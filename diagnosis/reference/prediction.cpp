@@ -207,9 +207,9 @@ void hold_still_at_rest(const Mask& rest, Motion& m) {
     if (rest[static_cast<std::size_t>(i)]) m.rate.row(i).setZero(), m.acceleration.row(i).setZero();
 }
 
-/// rms over the rows.
-template <class Columns>
-double rms_of(const Columns& x) {
+/// Root of the mean squared length of the rows.
+template <class Derived>
+double rms_of(const Eigen::MatrixBase<Derived>& x) {
   return std::sqrt(x.squaredNorm() / static_cast<double>(x.rows()));
 }
 
@@ -223,13 +223,13 @@ void keep_edges_of_rests(Signals& s, Turns q, Series3 p, const Motion& m) {
     const Eigen::Index length = end - begin;
     auto turns = q.middleRows(begin, length);
     const Turns still = turns.colwise().mean().replicate(length, 1);
-    if (2.0 * rms_of(Turns(turns - still)) < kCameras_rad) turns = still;
+    if (2.0 * rms_of(turns - still) < kCameras_rad) turns = still;
     if (!s.has_position) return;
     auto places = p.middleRows(begin, length);
     const Series along = Series::LinSpaced(length, -1.0, 1.0);
     const Eigen::RowVector3d slope = along.transpose() * places / std::max(along.squaredNorm(), 1e-9);
     const Series3 line = (along * slope).rowwise() + places.colwise().mean();
-    if (rms_of(Series3(places - line)) < kCameras_m) places = line;
+    if (rms_of(places - line) < kCameras_m) places = line;
   });
   s.edges_of_rests[kGyr] = rate_from(q, s.rows) - m.rate;
   if (s.has_position) s.edges_of_rests[kAcc] = in_body(s, second_derivative(p, s.rows) - m.acceleration);

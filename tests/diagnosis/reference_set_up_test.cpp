@@ -26,12 +26,9 @@ io::Recording recorded(std::uint64_t seed, const std::string& effects = "[]", do
 }
 
 /// Frames as fast as the rows that fall half between them: each row's pose is the middle of a line that bends nowhere.
-io::Recording drawn_between_frames(std::uint64_t seed, const std::string& effects = "[]") {
-  const io::Recording fine = recorded(seed, effects, 100.0);
-  io::Recording out = fine;
-  out.t_ns.clear(), out.acc_mps2.clear(), out.gyr_radps.clear(), out.mag_uT.clear(), out.ref_q_world_body.clear();
-  out.ref_position_m.clear(), out.ref_moving.clear(), out.temp_degC.clear(), out.current_A.clear(),
-      out.supply_V.clear();
+io::Recording drawn_between_frames(std::uint64_t seed) {
+  const io::Recording fine = recorded(seed, "[]", 100.0);
+  io::Recording out;
   for (std::size_t i = 1; i + 1 < fine.size(); i += 2) {
     const Eigen::Vector4d &q = fine.ref_q_world_body[i - 1], &next = fine.ref_q_world_body[i + 1];
     out.t_ns.push_back(fine.t_ns[i]);

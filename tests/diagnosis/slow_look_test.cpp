@@ -3,7 +3,6 @@
 
 #include <gmock/gmock.h>
 
-#include "diagnosis/reference/noise_model.h"
 #include "tests/diagnosis/simulated.h"
 
 namespace stillpoint::diag {
