@@ -211,7 +211,7 @@ TEST(IioSource, WhatDoesNotTellItsScaleIsNotRead) {
   IioSource source(params_of(port), 0.2);
   Arrival out;
   EXPECT_FALSE(test::eventually_sample(source, out, 0.5));
-  const std::string_view why = source.report()->try_load()->error.view();
+  const std::string why(source.report()->try_load()->error.view());
   EXPECT_NE(why.find("accel_3d does not tell the scale and offset of accel_y"), std::string::npos) << why;
   iiod = nullptr;
   iiod = std::make_unique<FakeIiod>(std::vector{accelerometer()}, port);
@@ -228,7 +228,7 @@ TEST(IioSource, BesideOneThatDoesNotTellItsScaleTheOthersAreRead) {
   Arrival out;
   for (int k = 0; k < 20; ++k) ASSERT_TRUE(test::eventually_sample(source, out));
   EXPECT_TRUE(vec(out.sample.acc_mps2).isApprox(Vec3(-0.98, 1.96, 9.8)));
-  const std::string_view why = source.report()->try_load()->error.view();
+  const std::string why(source.report()->try_load()->error.view());
   EXPECT_NE(why.find("magn_3d does not tell"), std::string::npos) << why;
 }
 
