@@ -101,6 +101,8 @@ void check_effect(const YAML::Node& entry, const EffectConfig& e, YamlFaults& fa
       {"fraction"}, [](double x) { return x >= 0.0 && x <= 1.0; }, "between 0 and 1");
   refuse_unless(
       {"hidden"}, [](double x) { return x == 0.0 || x == 1.0; }, "0 or 1");
+  refuse_unless(
+      {"side"}, [](double x) { return x == 0.0 || std::abs(x) == 1.0; }, "1 (only above), -1 (only below) or 0 (both)");
 }
 
 }  // namespace

@@ -117,6 +117,7 @@ std::vector<Family> of_the_magnetometer() {
           .mistaken_for("mag_hard_step", "only near strong field")
           .takes("L_uT", "L", "uT", 3)
           .may_take("k3_per_uT_2", "k3", "1/uT^2", 3, 0.0)
+          .may_take("side", "side", "1: only above, -1: only below, 0: both", 3, 0.0)
           .in("mag", "M12", 800, 5000),
       Family("flip", "polarity flip", "D = b (-1)^k")
           .driven_by("sample parity", "after strong field")

@@ -66,6 +66,7 @@ std::vector<Family> of_amplitude_and_vibration() {
               "samples pile up at the rail; clipped before the filter (hidden) only a one-sided residual is left")
           .takes("L_{u}", "L", "{U}", 3)
           .may_take("hidden", "hidden", "0 or 1", 1, 0.0)
+          .may_take("side", "side", "1: only above, -1: only below, 0: both", 3, 0.0)
           .in("acc", "A10", 19.6, 157)
           .in("gyr", "G9", 4.4, 35),
       Family("vre", "vibration rectification", "D = k * <f_hf^2>")

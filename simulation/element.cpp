@@ -1,6 +1,7 @@
 #include "simulation/element.h"
 
 #include <algorithm>
+#include <limits>
 #include <string>
 
 namespace stillpoint::sim {
@@ -11,6 +12,15 @@ bool clips_before_the_filter(const EffectConfig& saturation, const std::vector<E
   const std::string sensor = saturation.id.substr(0, 4);
   return std::any_of(effects.begin(), effects.end(),
                      [&](const auto& e) { return e.id == sensor + "lpf" || e.id == sensor + "resonance"; });
+}
+
+Vec3 clipped(const ActiveEffect& saturation, Vec3 y, double t_s) noexcept {
+  constexpr double kNone = std::numeric_limits<double>::infinity();
+  const Vec3 level = saturation.values.vec3(0), side = saturation.values.vec3(2);
+  for (int i = 0; i < 3; ++i)
+    if (saturation.on(i, t_s))
+      y[i] = std::clamp(y[i], side[i] > 0 ? -kNone : -level[i], side[i] < 0 ? kNone : level[i]);
+  return y;
 }
 
 Element::Element(Sensor sensor, const SimulationConfig& config, const TriadConfig& triad)
@@ -33,11 +43,7 @@ Element::Element(Sensor sensor, const SimulationConfig& config, const TriadConfi
 /// The rail is one of the reading: y = H^-1 u + B and back.
 Vec3 Element::clipped(const Vec3& signal, double t_s) const noexcept {
   Vec3 y = inverse_ * signal + bias_;
-  for (const auto& c : clip_) {
-    const Vec3 level = c.values.vec3(0);
-    for (int i = 0; i < 3; ++i)
-      if (c.on(i, t_s)) y[i] = std::clamp(y[i], -level[i], level[i]);
-  }
+  for (const auto& c : clip_) y = sim::clipped(c, y, t_s);
   return matrix_ * (y - bias_);
 }
 

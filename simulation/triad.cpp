@@ -36,9 +36,7 @@ Vec3 Triad::reading(const Vec3& signal, double row_t_s) noexcept {
 }
 
 Vec3 Triad::digital(Vec3 y, double t_s) noexcept {
-  for (const auto& c : clip_)
-    for (int i = 0; i < 3; ++i)
-      if (const double level = c.values.vec3(0)[i]; c.on(i, t_s)) y[i] = std::clamp(y[i], -level, level);
+  for (const auto& c : clip_) y = clipped(c, y, t_s);
   for (const auto& q : quantum_)
     for (int i = 0; i < 3; ++i)
       if (const double step = q.values.vec3(0)[i]; q.on(i, t_s)) y[i] = step * std::round(y[i] / step);

@@ -1,6 +1,7 @@
 /// Rails, clipped peaks and dead zones as findings.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 
@@ -18,6 +19,12 @@ std::vector<double> scaled(std::vector<double> values, double unit) {
   return values;
 }
 
+/// Whether readings of this sign are larger: what limits those of the other one does not limit them.
+bool reaches_beyond(const Axis& axis, double level) {
+  const double least = std::abs(level) + axis.grain(), sign = std::copysign(1.0, level);
+  return std::any_of(axis.y.begin(), axis.y.end(), [&](double y) { return sign * y > least; });
+}
+
 }  // namespace
 
 void Examination::examine_rails(Sensor s) {
@@ -25,8 +32,10 @@ void Examination::examine_rails(Sensor s) {
   std::vector<std::string> channels;
   std::size_t spoiled = 0, first = recording_.size(), last = 0;
   double low = HUGE_VAL, high = 0.0, grain = 0.0;
+  std::vector<Parameter> sides;
   for (int i = 0; i < 3; ++i) {
     const Axis& a = axes_[s][static_cast<std::size_t>(i)];
+    const std::size_t before = levels.size();
     for (const double sign : {1.0, -1.0}) {
       const auto rail = find_rail(a, sign);
       if (!rail || std::abs(rail->level) < kLeastRange[static_cast<std::size_t>(s)]) continue;
@@ -42,11 +51,17 @@ void Examination::examine_rails(Sensor s) {
                         kSensorUnit[s]});
       if (channels.empty() || channels.back() != channel(s, i)) channels.push_back(channel(s, i));
     }
+    if (levels.size() == before + 1) {
+      const double side = reaches_beyond(a, -levels.back().value) ? std::copysign(1.0, levels.back().value) : 0.0;
+      sides.push_back({fmt::format("side_{}", "xyz"[i]), side, {side, side}, "1"});
+    }
   }
   if (levels.empty()) return;
   out_.sensor[s].saturated = true;
   if (high - low <= 1.01 * grain)
     levels = {{"level", 0.5 * (low + high), {low - 0.5 * grain, high + 0.5 * grain}, kSensorUnit[s]}};
+  if (std::any_of(sides.begin(), sides.end(), [](const Parameter& side) { return side.value != 0.0; }))
+    levels.insert(levels.end(), sides.begin(), sides.end());
   Finding f = make(fmt::format("{}_sat", kSensorName[s]), std::move(channels), first, last);
   f.parameters = std::move(levels);
   f.equation = "y = clip(y, +-level)";

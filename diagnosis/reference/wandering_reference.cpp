@@ -61,9 +61,10 @@ bool as_small_as_wandering(const Signals& s, const SensorSearch& search, const F
 
 bool is_a_trace_of_the_cameras(const Signals& s, const SensorSearch& search, const Found& law, const Fit& beside) {
   if (s.exact_reference || s.from_log || !is_unknown(law.id) || law.offset.size()) return false;
+  const Eigen::ArrayXd& counts = search.target.layout.counts;  // where it is lost, the reference leaves anything over
   const Series3 alone = effect_of(law, beside), effect = beyond_matrix(search, alone);
-  const Eigen::ArrayXd power = alone.rowwise().squaredNorm();
-  const Series acts = (power > kTenthOfItsMost * power.maxCoeff()).cast<double>();
+  const Eigen::ArrayXd power = alone.rowwise().squaredNorm().array() * counts;
+  const Series acts = (power > kTenthOfItsMost * power.maxCoeff()).cast<double>() * counts;
   return effect.norm() < kTrace * (acts.asDiagonal() * beside.leftover).norm();
 }
 

@@ -130,6 +130,21 @@ TEST(Forensics, FindsTheLevelAtWhichReadingsPileUp) {
     EXPECT_EQ(f.muted(kGyr, i), r.gyr_radps[i].cwiseAbs().maxCoeff() > 2.51 - 1e-9) << i;
 }
 
+/// What limits the readings of one sign only does not clip the others in the improved simulation.
+TEST(Forensics, TellsTheSideOfALevelThatReadingsOfTheOtherSignGoBeyond) {
+  const auto f = examine_raw_values(
+      hand_motion(6, [](Sensor s, int, std::size_t, double v) { return s == kGyr ? std::min(v, 1.51) : v; }),
+      baseline());
+  ASSERT_EQ(names(f), Names{"gyr_sat"});
+  ASSERT_EQ(f.effects.size(), 1U);
+  EXPECT_EQ(f.effects[0].parameters.at("side"), std::vector<double>(3, 1.0));
+  const auto both = examine_raw_values(
+      hand_motion(6, [](Sensor s, int, std::size_t, double v) { return s == kGyr ? std::clamp(v, -1.51, 1.51) : v; }),
+      baseline());
+  ASSERT_EQ(both.effects.size(), 1U);
+  EXPECT_FALSE(both.effects[0].parameters.contains("side"));
+}
+
 TEST(Forensics, FindsALevelThatHeldForAWhile) {
   const auto r = hand_motion(7, [](Sensor s, int, std::size_t i, double v) {
     return s == kAcc && i > 3000 && i < 4200 ? std::clamp(v, -11.0, 11.0) : v;

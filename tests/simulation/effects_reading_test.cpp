@@ -54,6 +54,15 @@ TEST(Reading, SaturationClipsEachAxisAtItsOwnRail) {
                                                              : 30.0); }, 0.0);
 }
 
+TEST(Reading, SaturationOfOneSideLeavesReadingsOfTheOtherSign) {
+  expect_reading(
+      "{effect: gyr_sat, L_radps: [0.8, 0.5, 0.3], side: [1, -1, 0]}", &RawSample::gyr_radps,
+      [](double y, int axis) { return axis == 0   ? std::min(y, 0.8)
+                                      : axis == 1 ? std::max(y, -0.5)
+                                                  : between(y, 0.3); },
+      0.0);
+}
+
 /// Half a step at most, on a lattice through zero whose step is the axis' own.
 TEST(Reading, QuantisationTakesTheNearestPointOfTheLattice) {
   expect_reading(
