@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "simulation/effect_catalogue.h"
+
 namespace stillpoint::sim {
 
 Clock::Clock(const std::vector<EffectConfig>& effects, double rate_hz, std::uint64_t seed)
@@ -14,7 +16,9 @@ Clock::Clock(const std::vector<EffectConfig>& effects, double rate_hz, std::uint
   for (const auto& e : active_effects(effects, "sys_jitter")) jitter_.emplace_back(e, seed);
 }
 
-void Clock::start_row(double row_t_s) noexcept {
+void Clock::start_row(double row_t_s, double temp_degC) noexcept {
+  warmth_Ks_ += warmth_K_ * (row_t_s - row_t_s_);
+  warmth_K_ = temp_degC - kReferenceTemp_degC;
   row_t_s_ = row_t_s;
   for (auto& j : jitter_) j.shift_s = j.values.scalar(0) * j.random.normal();
 }
@@ -23,7 +27,7 @@ double Clock::time_s(Sensor sensor, int axis) const noexcept {
   double t = row_t_s_;
   const auto here = [&](const ActiveEffect& e) { return e.active(row_t_s_) && e.covers(sensor, axis); };
   for (const auto& s : skew_)
-    if (here(s)) t += 1e-6 * s.values.scalar(0) * row_t_s_;
+    if (here(s)) t += 1e-6 * (s.values.scalar(0) * row_t_s_ + s.values.scalar(1) * warmth_Ks_);
   for (const auto& g : gap_)
     if (here(g) && row_t_s_ > g.values.scalar(1)) t += g.values.scalar(0) / rate_hz_;
   for (const auto& o : offset_)

@@ -14,8 +14,8 @@ class Clock {
  public:
   Clock(const std::vector<EffectConfig>& effects, double rate_hz, std::uint64_t seed);
 
-  /// Draws what is random in this row; once per row, in order.
-  void start_row(double row_t_s) noexcept;
+  /// Draws what is random in this row; once per row, in order. Its temperature drives the clock's rate to the next.
+  void start_row(double row_t_s, double temp_degC) noexcept;
   /// Time of the motion that this axis reads in the row started last.
   [[nodiscard]] double time_s(Sensor sensor, int axis) const noexcept;
   /// Whether two axes always look at the same time.
@@ -29,6 +29,7 @@ class Clock {
   };
 
   double rate_hz_, row_t_s_ = 0.0;
+  double warmth_K_ = 0.0, warmth_Ks_ = 0.0;  ///< above T0, and its integral
   std::vector<ActiveEffect> skew_, gap_, offset_;
   std::array<std::vector<ActiveEffect>, 3> delay_;
   std::vector<Jitter> jitter_;

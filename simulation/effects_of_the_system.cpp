@@ -10,10 +10,11 @@ std::vector<Family> families_of_the_system() {
           .mistaken_for("delay of one sensor", "acc, gyr and mag give the same tau")
           .takes("tau_s", "tau", "s", 1)
           .in("sys", "T1", 1e-3, 5e-2),
-      Family("skew", "clock rate error", "u(t) = true(t (1 + 1e-6 eps))")
+      Family("skew", "clock rate error", "u(t) = true(t + 1e-6 int (eps + k (T-T0)) dt)")
           .driven_by("time times derivatives", "long recording")
-          .mistaken_for("sys_gap, sys_offset", "grows linearly, no jump")
+          .mistaken_for("sys_gap, sys_offset", "grows linearly, or as the temperature bends it; no jump")
           .takes("eps_ppm", "eps", "ppm", 1)
+          .may_take("k_ppm_per_K", "k", "ppm/K", 1, 0.0)
           .in("sys", "T3", 5, 1e4),
       Family("gap", "lost samples, time stamps regenerated", "u(t) = true(t + n/fs) where t > t0")
           .driven_by("derivatives after t0", "bus overload")

@@ -249,7 +249,7 @@ bool Simulator::next(SimulatedSample& out) noexcept {
     out = {};
     out.sample.t_ns = std::llround(1e9 * t);
     out.sample.sequence = row_;
-    clock_.start_row(t);
+    clock_.start_row(t, environment_.temp_degC(t));
     for (const Sensor sensor : kSensors)
       if (has(sensor)) read_triad(sensor, t, out.sample);
     track_bias(t, out.sample);

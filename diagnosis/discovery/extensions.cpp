@@ -155,6 +155,9 @@ class Neighbours {
       add(with(at, leaf), best_.matrix, 0);
       if (!factors_[at].inside.empty() && leaf != "t") add(with(at, lag_of(leaf, factors_[at].tau)), best_.matrix, 0);
     }
+    if (!vector_ || !factors_[at].text.starts_with("norm(")) return;
+    for (const char* v : {"w", "f", "m"})  // what each axis does by its own size
+      if (drivers_.values.contains(v)) add(with(at, fmt::format("abs({})", v)), best_.matrix, 0);
   }
 
   void other_vector(std::size_t at) {
@@ -249,6 +252,8 @@ std::string opened(std::string text, const std::string& digits) {
 std::vector<Idea> extensions(const Idea& best, double shape, const laws::Columns& drivers) {
   return Neighbours(best, shape, drivers).all();
 }
+
+std::size_t free_numbers(const Idea& idea, double shape) { return open_numbers(idea.text(0, shape)).size(); }
 
 std::vector<Idea> reopened(const Idea& best, double shape) {
   std::vector<Idea> out;

@@ -43,8 +43,9 @@ class Ideas {
       if (values.cols() != 1 || name.find('(') != std::string::npos) continue;
       memory(name);
       if (name != "T") add("d(" + name + ")");
+      if (name == "T") hysteresis(name, values);  // of a noisy driver a small width would smooth its noise
     }
-    for (const auto& c : components_) open("lag(" + c + ", {})", "tau", lags(kLongestOfMotion), "s");
+    for (const auto& c : components_) open(remembered(c), "tau", lags(kLongestOfMotion), "s");
     for (const char* heat : {"norm(w)", "norm(w)^2", "norm(f)", "I^2", "d(T)"})
       if (known(heat)) memory(heat);
   }
@@ -66,7 +67,7 @@ class Ideas {
     for (const auto& v : vectors_) {
       if (v != own_) both(v), add("d(" + v + ")");
       add_matrix("d(" + v + ")");  // axis by axis of the reading itself it is a delay
-      both("lag(" + v + ", {})", lags(kLongestOfMotion), "tau");
+      both(remembered(v), lags(kLongestOfMotion), "tau");
       add_powers(v);
       for (const auto& c : components_) add_matrix(fmt::format("{} * {}", v, c));
       for (const auto& x : scalars_) {
@@ -94,7 +95,7 @@ class Ideas {
     std::vector<double> periods;
     for (int half = 2 * kMostCycles; half >= 2; --half) periods.push_back(span / (std::numbers::pi * half));
     pair("sin(" + own_ + " / {})", "cos(" + own_ + " / {})", "period / 2 pi", "", std::move(periods));
-    open("play(" + own_ + ", {})", "width", geometric(0.01 * span, 0.6 * span, 1.6));
+    hysteresis(own_, x);
     open("step(abs(" + own_ + "), {}) * sign(" + own_ + ") * (abs(" + own_ + ") - {})", "threshold", levels_of_own());
     open("step(" + own_ + ", {})", "threshold", levels_of_own());
   }
@@ -144,9 +145,17 @@ class Ideas {
       add(fmt::format(fmt::runtime(form), v));
     if (v != own_) add("cross(" + v + ", d(" + v + "))");
   }
+  /// Of what the sensor itself reads, what its memory lacks: the memory alone would change the matrix by as much.
+  [[nodiscard]] std::string remembered(const std::string& x) const {
+    return x.substr(0, 1) == own_ ? fmt::format("({0} - lag({0}, {{}}))", x) : "lag(" + x + ", {})";
+  }
   void memory(const std::string& x) {
     open("lag(" + x + ", {})", "tau", lags(0.5), "s");
     open("delay(" + x + ", {})", "delay", geometric(0.05, 5.0, 2.0), "s");
+  }
+  void hysteresis(const std::string& x, const Eigen::MatrixXd& values) {
+    const double span = values.maxCoeff() - values.minCoeff();
+    open("play(" + x + ", {})", "width", geometric(0.01 * span, 0.6 * span, 1.6));
   }
   void thresholds(const std::string& x) {
     const auto tree = laws::parse(x, signature_of(drivers_));

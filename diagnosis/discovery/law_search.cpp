@@ -114,7 +114,7 @@ struct LawSearch::Parts {
     const double kept =
         1.0 - kShareOfAStep * static_cast<double>(t.idea.steps) - (t.idea.points.empty() ? 0.0 : kShareOfATable);
     return kept * t.found.gain_nats - charge(t.found.columns.size(), {}) - kNatsABit * t.bits -
-           (t.idea.shape_name.empty() ? 0.0 : kNatsAShape);
+           kNatsAShape * static_cast<double>(free_numbers(t.idea, t.shape));
   }
 };
 

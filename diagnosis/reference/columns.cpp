@@ -33,6 +33,12 @@ Columns coupled(std::initializer_list<Series3> parts) {
 
 Columns world_fixed(const Signals& s) { return coupled({s.world_axis[0], s.world_axis[1], s.world_axis[2]}); }
 
+Series integral(const Series& rate, double dt_s) {
+  Series out = Series::Zero(rate.size());
+  for (Eigen::Index i = 1; i < rate.size(); ++i) out[i] = out[i - 1] + rate[i - 1] * dt_s;
+  return out;
+}
+
 Series lagged_difference(const Series& T, double dt_s, double tau_s) {
   Series out(T.size());
   double lagged = T.size() ? T[0] : 0.0;

@@ -17,6 +17,9 @@ namespace stillpoint::diag {
 /// A vector fixed in the world, with free components there.
 [[nodiscard]] Columns world_fixed(const Signals& s);
 
+/// From the first row on; what a row says lasts to the next.
+[[nodiscard]] Series integral(const Series& rate, double dt_s);
+
 /// T - T_L with tau dT_L/dt = T - T_L, started in equilibrium.
 [[nodiscard]] Series lagged_difference(const Series& T, double dt_s, double tau_s);
 /// What is left of x when an adaptive bias estimate, started at zero, follows it at rest with time constant tau and

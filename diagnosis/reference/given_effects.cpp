@@ -142,6 +142,8 @@ void subtract_gradient(Signals& s, const sim::EffectConfig& e) {
 
 std::optional<Eigen::VectorXd> timing_values(const sim::EffectConfig& e, double dt_s) {
   if (e.id == "sys_gap") return Eigen::VectorXd::Constant(1, -scalar(e, "n", 0.0) * dt_s);
+  if (e.id == "sys_skew" && e.parameters.contains("k_ppm_per_K"))
+    return Eigen::Vector2d(kPpm * scalar(e, "eps_ppm", 0.0), kPpm * scalar(e, "k_ppm_per_K", 0.0));
   if (e.id == "sys_skew") return Eigen::VectorXd::Constant(1, kPpm * scalar(e, "eps_ppm", 0.0));
   if (e.id.find("resonance") != std::string::npos)
     return Eigen::Vector2d(scalar(e, "f_hz", 100.0), scalar(e, "zeta", 0.1));
@@ -183,9 +185,10 @@ void set_gradient(const Signals& s, const Eigen::VectorXd& values, sim::EffectCo
 bool set_by_rule(const Found& found, const Eigen::VectorXd& values, double dt_s, double begin_s, sim::EffectConfig& e) {
   if (found.id == "sys_gap")
     e.parameters = {{"n", {std::round(-values[0] / dt_s)}}, {"t0_s", {begin_s}}};
-  else if (found.id == "sys_skew")
+  else if (found.id == "sys_skew") {
     e.parameters = {{"eps_ppm", {values[0] / kPpm}}};
-  else if (found.id == "gyr_earth")
+    if (values.size() == 2) e.parameters["k_ppm_per_K"] = {values[1] / kPpm};
+  } else if (found.id == "gyr_earth")
     e.parameters = {{"w_radps", list(values, 0, 3)}};
   else if (found.id == "mag_sat")  // the bend alone: no reading has met a limit
     e.parameters = {{"L_uT", std::vector<double>(3, kNoLimit_uT)}, {"k3_per_uT_2", list(values, 0, 3)}};

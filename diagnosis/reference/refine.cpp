@@ -132,6 +132,7 @@ Found found_from(const TimingLaw& law, const TimingFit& fit, const Window& windo
   f.driver = law.driver;
   f.names = law.names;
   f.units = law.units;
+  f.names.resize(fit.tangent.size()), f.units.resize(fit.tangent.size());
   f.columns = fit.tangent;
   f.offset = fit.delta;
   f.timing = fit.parameters;

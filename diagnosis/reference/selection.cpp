@@ -104,7 +104,7 @@ std::vector<Candidate> short_list(const SensorSearch& search, const Judge& judge
 bool pays(const Signals& s, const SensorSearch& search, const Found& best) {
   const double least_share = search.has_unknown() ? kLeastShareBesideUnknown : kLeastShareOfFirst;
   const bool free_form = is_unknown(best.id);  // there are more products than laws
-  const double least = best.window.local && !free_form      ? kLeastNetLocal
+  const double least = best.window.local                    ? kLeastNetLocal
                        : search.first_gain > 0 || free_form ? kLeastNetBeside
                                                             : kLeastNet;
   if (best.net_nats < least) return false;
@@ -253,8 +253,12 @@ void accept(SensorSearch& search, Found found) {
   add_to(search, std::move(found));
   if (search.found.size() < 2) return;
   refine_shapes_again(search);
+  weigh_again(search, search.found.size() - 1);
+}
+
+void weigh_again(SensorSearch& search, std::size_t count) {
   const double all = fit_profile(search.beside_walk(), search.explained()).log_likelihood;
-  for (std::size_t i = 0; i + 1 < search.found.size(); ++i) {
+  for (std::size_t i = 0; i < count; ++i) {
     SensorSearch without = search;
     take_out(without, i);
     Found& f = search.found[i];

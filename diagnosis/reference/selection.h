@@ -82,6 +82,8 @@ inline constexpr double kLeastShareOfFirst = 0.02;
 
 /// Adds it to the model, then drops any earlier effect that it makes superfluous.
 void accept(SensorSearch& search, Found found);
+/// What the first `count` effects gain beside all others; the first that is not worth its charge is dropped.
+void weigh_again(SensorSearch& search, std::size_t count);
 /// A linear law beside all that was found and a walk; its coefficients are the last ones. `beside` is this fit below.
 [[nodiscard]] Fit fit_beside(const SensorSearch& search, const Found& law);
 /// What a linear law does with the coefficients that it has there (n x 3).

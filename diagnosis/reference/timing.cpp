@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 
 #include "diagnosis/reference/columns.h"
 #include "diagnosis/reference/response.h"
@@ -13,6 +14,7 @@ constexpr int kGaussNewtonSteps = 6;
 constexpr double kLikeness_s = 0.04;
 constexpr Eigen::Index kNeighbours = 3;
 constexpr std::size_t kStartsRefined = 2;
+constexpr double kNatsANumber = 8.0;    // what one more has to explain
 constexpr double kLeastDamping = 0.01;  // half of what mounts and glued parts have (docs/effects.md, A12)
 
 /// What a sensor with this response shows beyond the truth. When the truth is the sensor itself (a noisy reference),
@@ -25,14 +27,41 @@ Series3 beyond_truth(const Signals& s, Sensor k, const Response& h) {
   return at_rest_zero(s, apply_response(s.vector[k], s.rows, gain));
 }
 
-/// u(t) = true(t (1 + epsilon)); when the truth is the sensor itself, the clock is set right instead.
-Series3 skewed(const Signals& s, Sensor k, double epsilon) {
+/// u(t) = true(t + int r dt), r = epsilon, or epsilon + k (T - T0); when the truth is the sensor itself, the clock is
+/// set right instead.
+Series3 skewed(const Signals& s, Sensor k, const Eigen::VectorXd& p) {
   const bool from_truth = !vector_is_reading(s, k);
-  const double rate = from_truth ? 1.0 + epsilon : 1.0 / (1.0 + epsilon);
   const double last = static_cast<double>(s.n - 1);
   const Series t_s = s.rows.even() ? Series::LinSpaced(s.n, 0.0, last * s.rows.step_s) : s.rows.t_s;
-  const Series3 moved = at_times(s.vector[k], s.rows, rate * t_s, kNeighbours);
+  Series rate = Series::Constant(s.n, p[0]), late = p[0] * t_s;
+  if (p.size() == 2) rate += p[1] * s.temperature_K, late += p[1] * integral(s.temperature_K, s.dt_s);
+  if (!from_truth) late = -late.array() / (1.0 + rate.array());
+  const Series3 moved = at_times(s.vector[k], s.rows, t_s + late, kNeighbours);
   return at_rest_zero(s, from_truth ? Series3(moved - s.vector[k]) : Series3(s.vector[k] - moved));
+}
+
+/// A clock's rate, and the same with a temperature that it follows, where that changes.
+TimingLaw skew(const Signals& s, Sensor k) {
+  constexpr double kFollows_K = 3.0;
+  TimingLaw law{"sys_skew",
+                {"epsilon", "k"},
+                {"1", "1/K"},
+                "u(t) = true(t + int (epsilon + k (T - T0)) dt)",
+                "time times the first derivative",
+                {Eigen::VectorXd::Zero(1)},
+                [](const Eigen::VectorXd&) { return true; },
+                [&s, k](const Eigen::VectorXd& p) { return skewed(s, k, p); }};
+  // Motion keeps its likeness for some 40 ms: the grid must not step over that by the end.
+  const Series& T = s.temperature_K;
+  const bool follows = T.size() > 0 && T.maxCoeff() - T.minCoeff() > kFollows_K;
+  const double warmth_Ks = follows ? integral((T.array() - T[0]).matrix(), s.dt_s)[s.n - 1] : 0.0;
+  for (double shift_s = kLikeness_s; shift_s < 0.0105 * s.duration_s(); shift_s += kLikeness_s)
+    for (const double sign : {1.0, -1.0}) {
+      law.starts.push_back(Eigen::VectorXd::Constant(1, sign * shift_s / s.duration_s()));
+      const double per_K = sign * shift_s / warmth_Ks;
+      if (follows && std::abs(warmth_Ks) > s.duration_s()) law.starts.push_back(Eigen::Vector2d(-per_K * T[0], per_K));
+    }
+  return law;
 }
 
 TimingLaw one_number(std::string id, std::string name, std::string unit, std::string equation, std::string driver,
@@ -86,12 +115,7 @@ std::vector<TimingLaw> make_timing_laws(const Signals& s, Sensor k, Eigen::Index
       gap.starts.push_back(Eigen::VectorXd::Constant(1, n * s.dt_s));
     laws.push_back(std::move(gap));
   }
-  std::vector<double> rates{
-      0.0};  // motion keeps its likeness for some 40 ms: the grid must not step over that by the end
-  const double step = kLikeness_s / s.duration_s();
-  for (double e = step; e < 0.0105; e += step) rates.insert(rates.end(), {e, -e});
-  laws.push_back(one_number("sys_skew", "epsilon", "1", "u(t) = true(t (1 + epsilon))",
-                            "time times the first derivative", rates, [&s, k](double e) { return skewed(s, k, e); }));
+  laws.push_back(skew(s, k));
   return laws;
 }
 
@@ -108,8 +132,9 @@ TimingFit fit_timing(const Target& target, const Columns& explained, const Noise
   for (const Eigen::VectorXd& start : law.starts)
     starts.emplace_back(law.starts.size() > kStartsRefined ? gain_at(start) : 0.0, start);
   std::sort(starts.begin(), starts.end(), [](const auto& a, const auto& b) { return a.first > b.first; });
-  starts.resize(std::min(starts.size(), kStartsRefined));
+  std::map<Eigen::Index, std::size_t> refined;  // by how many numbers
   for (const auto& [gain, start] : starts) {
+    if (refined[start.size()]++ >= kStartsRefined) continue;
     Eigen::VectorXd p = start;
     double reached = -1e300;
     for (int step = 0; step < kGaussNewtonSteps; ++step) {
@@ -125,7 +150,9 @@ TimingFit fit_timing(const Target& target, const Columns& explained, const Noise
       Target shifted = target;
       shifted.residual = target.residual - delta;
       const double here = fit_with(shifted, explained, noise, no_walk).log_likelihood;
-      if (here - before > best.gain_nats) best = {p, tangent, delta, here - before};
+      const double more = kNatsANumber * static_cast<double>(p.size() - best.parameters.size());
+      if (here - before > best.gain_nats + (best.parameters.size() > 0 ? more : 0.0))
+        best = {p, tangent, delta, here - before};
       if (step > 0 && here < reached + 1e-3) break;
       reached = here;
       const Fit fit = fit_with(shifted, columns, noise, no_walk);

@@ -8,9 +8,11 @@
 #include <set>
 
 #include "diagnosis/diagnose.h"
+#include "diagnosis/discovery/discover.h"
 #include "diagnosis/discovery/law_words.h"
 #include "diagnosis/improved.h"
-#include "diagnosis/prove/invented.h"
+#include "diagnosis/reference/judge.h"
+#include "diagnosis/reference/refine.h"
 #include "io/simulated_recording.h"
 #include "io/simulation_yaml.h"
 #include "simulation/law_effect.h"
@@ -178,25 +180,6 @@ TEST(Discovery, ALatencyThatSwingsIsALawAndNoDelayForAWhile) {
   EXPECT_THAT(said, testing::Not(testing::Contains(testing::EndsWith("_delay"))));
 }
 
-/// What was found beside it shares its columns, fails on other motion and is not stated.
-TEST(Discovery, NoNumberIsFittedBesideALawThatIsNotStated) {
-  const InventedCase c = invent("cold-spring-51", 16, true);  // acc: the current times the square of a column
-  sim::SimulationConfig given = c.baseline;
-  given.motion.reset();
-  given.environment = {};
-  given.reference = {};
-  const Diagnosis d = diagnose(c.recording, given).diagnosis;
-  ASSERT_THAT(d.notices, testing::Contains(testing::HasSubstr("acc_volt fits, but is not stated")));
-  const Diagnosis without = diagnose(c.recording, given, {"acc_volt"}).diagnosis;
-  ASSERT_EQ(d.findings.front().effect, "unknown:I * motor_rpm^2");
-  ASSERT_EQ(without.findings.front().effect, d.findings.front().effect);
-  for (std::size_t i = 0; i < 3; ++i) {
-    const Parameter &here = d.findings.front().parameters[i], &there = without.findings.front().parameters[i];
-    EXPECT_NEAR(here.value, there.value, 1e-3 * std::abs(there.value));
-    EXPECT_NEAR(here.ci95[1] - here.ci95[0], there.ci95[1] - there.ci95[0], 1e-3 * (there.ci95[1] - there.ci95[0]));
-  }
-}
-
 TEST(Discovery, APeriodIsRefined) {
   EXPECT_LT(left_on_another_motion(
                 with_law("  - {effect: law, sensor: gyr, law: \"sin(w / 0.21)\", k: [0.004, 0.003, -0.004]}")),
@@ -207,6 +190,34 @@ TEST(Discovery, ATimeConstantOfALagIsRefined) {
   EXPECT_LT(
       left_on_another_motion(with_law("  - {effect: law, sensor: gyr, law: \"lag(I, 3)\", k: [0.004, 0.003, -0.004]}")),
       0.2);
+}
+
+TEST(Discovery, HysteresisInATemperatureIsFound) {
+  sim::SimulationConfig truth =
+      with_law("  - {effect: law, sensor: gyr, law: \"play(T, 3)\", k: [0.002, -0.001, 0.002]}");
+  truth.environment.temperature = {.kind = "activity", .rise_K = 12.0, .tau_s = 6.0};
+  EXPECT_LT(left_on_another_motion(truth), 0.1);
+}
+
+/// A memory of its own reading as large as a fifth of it: the memory alone would take that fifth out of the matrix.
+TEST(Discovery, WhatAMemoryOfTheReadingLacksIsFound) {
+  EXPECT_LT(left_on_another_motion(
+                with_law("  - {effect: law, sensor: gyr, law: \"w - lag(w, 0.6)\", k: [-0.2, -0.15, -0.18]}")),
+            0.1);
+}
+
+TEST(Discovery, WhatEachAxisDoesByItsOwnSizeIsNoSizeOfAll) {
+  EXPECT_LT(left_on_another_motion(with_law(
+                "  - {effect: law, sensor: gyr, law: \"w * abs(w) * (T - 25)\", k: [0.0004, -0.0003, 0.0004]}")),
+            0.1);
+}
+
+/// Too weak to be spoken of by what it gains, which the noise model has half of; it predicts all the same.
+TEST(Discovery, AWeakLawIsToldThatSurelyPredicts) {
+  const Answer answer =
+      answer_of(with_law("  - {effect: law, sensor: gyr, law: \"lag(I, 3)\", k: [0.0003, 0.0002, -0.0003]}"));
+  ASSERT_FALSE(answer.diagnosis.findings.empty());
+  EXPECT_THAT(answer.diagnosis.findings[0].effect, testing::StartsWith("unknown:lag(I, "));
 }
 
 TEST(Discovery, AThirdFactorIsFound) {
@@ -293,6 +304,25 @@ TEST(Discovery, WhereNoFormulaIsGoodEnoughATableIsWrittenThatPredicts) {
   const auto read = io::parse_simulation("gyroscope: {}\neffects:\n  - " + io::format_effect(improved.effects.front()),
                                          "improved.yaml");
   EXPECT_TRUE(read) << read.error().message;
+}
+
+/// A name that explains a third of what a law does, although neither would be looked for where nothing was named.
+TEST(Discovery, ALawThatExplainsClearlyMoreTakesThePlaceOfAName) {
+  sim::SimulationConfig config = with_law("  - {effect: law, sensor: gyr, law: \"lag(w_y, 0.6)\", k: [0, -0.0005, 0]}");
+  const io::Recording recording = recording_of(config, 3);
+  config.effects.clear();
+  Result<Signals> s = make_signals(recording, config, {});
+  ASSERT_TRUE(s);
+  EngineResult engine;
+  SensorSearch& gyr = engine.sensor[kGyr].emplace(start_search(*s, kGyr, {}));
+  const auto is_gsens = [](const Law& law) { return law.id == "gyr_gsens"; };
+  const Law& name = *std::find_if(gyr.laws.begin(), gyr.laws.end(), is_gsens);
+  Found found = found_from(name, Candidate{}, name.columns(0.0));
+  Judge(gyr).weigh(found);
+  gyr.found.push_back(std::move(found));
+  discover(*s, engine);
+  ASSERT_EQ(gyr.found.size(), 1U);
+  EXPECT_THAT(gyr.found[0].id, testing::StartsWith("unknown:lag(w_y, 0.")) << gyr.found[0].gain_nats;
 }
 
 TEST(Discovery, ALawThatLeavesOnlyNoiseExplains) {

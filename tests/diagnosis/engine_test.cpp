@@ -65,6 +65,31 @@ TEST_P(BothReferences, NamesTheCurrentAndHoldsItsSizeInTheInterval) {
 
 /// Where the current falls to zero nobody sees whether its window goes on; the edge that is seen has to be found, and
 /// the other one not to come closer than windows are believed.
+/// The oscillator of a sensor on a chip warms up with it. Two numbers, in all sensors; where the temperature tells
+/// nothing, one.
+TEST_P(BothReferences, TellsAClockThatFollowsTheTemperature) {
+  auto config = baseline(GetParam(), 80.0);
+  config.environment.temperature = {.kind = "warm_up", .rise_K = 15.0, .tau_s = 25.0};
+  const auto skew_of = [&](double k_ppm_per_K) {
+    const Answer answer =
+        diagnose(record(config, "sys_skew", {{"eps_ppm", {-300.0}}, {"k_ppm_per_K", {k_ppm_per_K}}}, 3), config);
+    EXPECT_THAT(names(answer), testing::ElementsAre("sys_skew")) << answer.diagnosis.summary;
+    return answer;
+  };
+  const Answer follows = skew_of(60.0);
+  const auto& numbers = follows.diagnosis.findings.at(0).parameters;
+  ASSERT_EQ(numbers.size(), 2U);
+  EXPECT_LE(numbers[1].ci95[0], 60e-6);
+  EXPECT_GE(numbers[1].ci95[1], 60e-6);
+  EXPECT_NEAR(follows.effects.at(0).parameters.at("k_ppm_per_K").at(0), 60.0, 6.0);
+  auto improved = config;
+  improved.effects = follows.effects;
+  const auto again =
+      diagnose(record(config, "sys_skew", {{"eps_ppm", {-300.0}}, {"k_ppm_per_K", {60.0}}}, 5), improved);
+  EXPECT_THAT(names(again), testing::IsEmpty()) << again.diagnosis.summary;
+  EXPECT_EQ(skew_of(0.0).diagnosis.findings.at(0).parameters.size(), 1U);
+}
+
 TEST(Engine, AWindowThatIsSeenForTooShortIsHeldToTheShortestFromTheEdgeThatIsSeen) {
   auto config = baseline("exact", 60.0);
   config.environment.current.kind = "steps";

@@ -24,6 +24,11 @@ TEST(Law, DelayIsTheTruthOfEarlier) {
   }
   expect_law("{effect: sys_skew, eps_ppm: 2000}", Sensor::kGyr,
              [](const Twins& w, std::size_t i) { return Vec3(w.motion->at(w.t(i) * 1.002).rate_radps - w.rate(i)); });
+  expect_law("{effect: sys_skew, eps_ppm: -500, k_ppm_per_K: 200}", Sensor::kGyr, [](const Twins& w, std::size_t i) {
+    double warmth_Ks = 0.0;
+    for (std::size_t row = 0; row < i; ++row) warmth_Ks += (temp_at(w.t(row)) - 25.0) / kRate_hz;
+    return Vec3(w.motion->at(w.t(i) - 500e-6 * w.t(i) + 200e-6 * warmth_Ks).rate_radps - w.rate(i));
+  });
   expect_law("{effect: sys_gap, n: 3, t0_s: 20}", Sensor::kGyr, [](const Twins& w, std::size_t i) {
     return w.t(i) > 20.0 ? Vec3(w.motion->at(w.t(i) + 3.0 / kRate_hz).rate_radps - w.rate(i)) : Vec3::Zero();
   });

@@ -91,6 +91,7 @@ TEST(SimulationYaml, EveryEffectOfTheCatalogueReadsBack) {
     for (const auto& p : info.parameters) e.parameters[p.key].assign(static_cast<std::size_t>(p.count), 2.0);
     if (e.parameters.contains("fraction")) e.parameters["fraction"] = {0.5};
     if (e.parameters.contains("zeta")) e.parameters["zeta"] = {0.1};
+    if (e.parameters.contains("side")) e.parameters["side"] = {1.0, -1.0, 0.0};
     if (e.parameters.contains("hidden")) e.parameters["hidden"] = {1.0};
     const auto back = io::parse_simulation(kSensor + "effects:\n  - " + io::format_effect(e) + "\n", "x");
     ASSERT_TRUE(back) << back.error().message;
