@@ -127,6 +127,8 @@ WrittenParameters write_matlab(const sim::SimulationConfig& s) {
     };
     Json& j = part[w.element];
     if (const Vec3 limit = value("_sat", "L_" + unit); !limit.isZero(0.0)) j["MeasurementRange"] = limit.minCoeff();
+    if (const sim::EffectConfig* e = entry_of(s, id + "_sat"); e != nullptr && e->parameters.contains("side"))
+      out.lost.push_back(id + "_sat: side; MeasurementRange is of both signs");
     j["Resolution"] = value("_quant", "q_" + unit).maxCoeff();
     j["ConstantBias"] = list(t.bias);
     Mat3 m = of_readings(t);

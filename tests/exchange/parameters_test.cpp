@@ -79,6 +79,15 @@ TEST(Parameters, MatlabKeepsTemperatureAndNoiseDensityPerSample) {
   EXPECT_THAT(b.lost, Contains(HasSubstr("gyroscope: scale factors")));
 }
 
+TEST(Parameters, MatlabTellsThatARangeIsOfBothSigns) {
+  sim::SimulationConfig s = sensor();
+  s.effects = {
+      {.id = "acc_sat", .parameters = {{"L_mps2", {20, 20, 20}}, {"side", {1, 1, 1}}}, .axes = {}, .window_s = {}}};
+  EXPECT_THAT(there_and_back(ParameterFormat::kMatlab, s).lost, Contains(HasSubstr("acc_sat: side")));
+  s.effects.front().parameters.erase("side");
+  EXPECT_THAT(there_and_back(ParameterFormat::kMatlab, s).lost, testing::Not(Contains(HasSubstr("side"))));
+}
+
 TEST(Parameters, KalibrKeepsMatricesAndSensitivityToForce) {
   const Back b = there_and_back(ParameterFormat::kKalibr, sensor());
   EXPECT_TRUE(b.simulation.gyroscope->matrix.isApprox(sensor().gyroscope->matrix, 1e-9)) << b.text;
