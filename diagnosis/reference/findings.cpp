@@ -75,7 +75,8 @@ struct Stated {
 bool has_possible_numbers(const SensorSearch& search, std::size_t index, const Finished& finished) {
   const Found& f = search.found[index];
   const auto first = first_column(search, index);
-  if (f.names == kWholeOrNothing) return finished.values[first] > kLeastShareOfAWhole;
+  if (f.names == kWholeOrNothing)
+    return finished.values[first] > kLeastShareOfAWhole && finished.values[first] < kMostShareOfAWhole;
   return !f.possible || f.possible(finished.values.segment(first, f.timing.size()));
 }
 

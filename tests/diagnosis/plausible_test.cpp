@@ -49,6 +49,22 @@ TEST(Plausible, GravityIsOffByWhatPlacesDifferAndByMoreThanTheScaleOfATranslatio
   EXPECT_TRUE(allowed(0.03));
 }
 
+/// A rail takes off what lies beyond it, all of it and no more: half as much again is something else.
+TEST(Plausible, ARailTakesOffTheWholeOfWhatIsBeyond) {
+  const auto config = test::baseline("exact", 60.0);
+  const Result<Signals> s = make_signals(test::record(config, "", {}, 3), config, {});
+  ASSERT_TRUE(s);
+  Found law;
+  law.id = "acc_sat";
+  law.names = kWholeOrNothing;
+  law.columns = {{-1, s->vector[kAcc].cwiseMin(11.0).cwiseMax(-11.0) - s->vector[kAcc]}};
+  for (const auto& [share, is_possible] : {std::pair{0.1, false}, {0.5, true}, {1.0, true}, {1.4, false}}) {
+    SensorSearch search = start_search(*s, kAcc);
+    search.target.residual += share * law.columns.front().x;
+    EXPECT_EQ(possible(*s, search, law), is_possible) << share;
+  }
+}
+
 /// Beside a world that leans by 0.02 m/s^2 the field's reading, taken 0.24 times, takes back ten times as much.
 TEST(Plausible, ALawDoesNotMakeWhatWasFoundSwell) {
   const auto config = test::baseline("exact", 60.0);
