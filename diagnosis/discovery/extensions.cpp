@@ -183,9 +183,9 @@ class Neighbours {
     const std::string own = text_.substr(0, text_.find("step(t, "));
     for (const double earlier : kEarlier_s) {
       const std::string at = fmt::format("{:.5g}", std::max(0.5, shape_ - earlier));
-      const std::string on = own + "step(t, " + at + ")", since = "(t - " + at + ")";
-      open(on + " * exp(-" + since + " / {})", "tau", "s", tau);
-      open(on + " * (1 - exp(-" + since + " / {}))", "tau", "s", tau);
+      const std::string on = fmt::format("{}step(t, {})", own, at), settles = fmt::format("exp(-(t - {}) / {{}})", at);
+      open(fmt::format("{} * {}", on, settles), "tau", "s", tau);
+      open(fmt::format("{} * (1 - {})", on, settles), "tau", "s", tau);
     }
     add(text_ + fmt::format(" * (t - {:.5g})", shape_), best_.matrix);
   }

@@ -39,8 +39,7 @@ struct Finished {
 /// A law that is the cause removes nearly all that is removable wherever it acts; of what only goes along with the
 /// cause, not half is left elsewhere. A name claims to be the cause, a product may be one term of several: where a name
 /// gains enough to tell, it has to remove 0.65. Of 169 true names on four generators one did not, of 30 untrue ones
-/// five. What gains little has to remove 0.45 for sure: of 150 true names on six sets one was less sure, a window of an
-/// offset that had none; of 15 untrue ones, five.
+/// five.
 [[nodiscard]] bool fails_elsewhere(const HeldOut& h, const std::string& id);
 
 /// Upper tail of chi-square with k degrees of freedom.

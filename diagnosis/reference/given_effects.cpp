@@ -154,6 +154,7 @@ std::optional<Eigen::VectorXd> timing_values(const sim::EffectConfig& e, double 
 bool subtract_timing(Signals& s, Sensor k, const sim::EffectConfig& e) {
   const auto values = timing_values(e, s.dt_s);
   if (!values || e.id.find("_temp_") != std::string::npos) return false;
+  if (e.id == "sys_skew" && values->size() == 2 && s.temperature_K.size() == 0) return false;
   const std::string id = e.id == "sys_offset" ? std::string(kSensorName[k]) + "_delay" : e.id;
   const Window w = window_of(e, s);
   for (const TimingLaw& law : make_timing_laws(s, k, std::max<Eigen::Index>(w.begin, 1))) {

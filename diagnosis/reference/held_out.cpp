@@ -289,9 +289,7 @@ bool is_judged(const HeldOut& h) { return h.share_ci95[1] > h.share_ci95[0]; }
 bool fails_elsewhere(const HeldOut& h, const std::string& id) {
   constexpr double kOfACause = 0.65, kTellsIt_nats = 40.0;  // of less the noise leaves as little
   const bool no_cause = !is_unknown(id) && h.gain_nats > kTellsIt_nats && h.removable_share_removed < kOfACause;
-  constexpr double kWeak_nats = 150.0, kSurely = 0.45;
-  const bool unsure = h.gain_nats < kWeak_nats && h.share_ci95[0] < kSurely;
-  return is_judged(h) && (h.share_ci95[1] < 0.5 || no_cause || unsure);
+  return is_judged(h) && (h.share_ci95[1] < 0.5 || no_cause);
 }
 
 }  // namespace stillpoint::diag

@@ -55,11 +55,11 @@ TimingLaw skew(const Signals& s, Sensor k) {
   const Series& T = s.temperature_K;
   const bool follows = T.size() > 0 && T.maxCoeff() - T.minCoeff() > kFollows_K;
   const double warmth_Ks = follows ? integral((T.array() - T[0]).matrix(), s.dt_s)[s.n - 1] : 0.0;
+  const bool tells = std::abs(warmth_Ks) > s.duration_s();  // a kelvin in the mean
   for (double shift_s = kLikeness_s; shift_s < 0.0105 * s.duration_s(); shift_s += kLikeness_s)
     for (const double sign : {1.0, -1.0}) {
       law.starts.push_back(Eigen::VectorXd::Constant(1, sign * shift_s / s.duration_s()));
-      const double per_K = sign * shift_s / warmth_Ks;
-      if (follows && std::abs(warmth_Ks) > s.duration_s()) law.starts.push_back(Eigen::Vector2d(-per_K * T[0], per_K));
+      if (tells) law.starts.push_back(sign * shift_s / warmth_Ks * Eigen::Vector2d(-T[0], 1.0));
     }
   return law;
 }

@@ -90,5 +90,16 @@ TEST(BadInput, AnAbsentSensorIsNamedInTheSummary) {
   EXPECT_THAT(d.summary, HasSubstr("not compared: mag"));
 }
 
+/// A clock of the simulation that follows a temperature, beside a recording without one.
+TEST(BadInput, AnEffectWhoseDriverIsNotRecordedIsLeftIn) {
+  io::Recording r = clean();
+  r.temp_degC.clear();
+  sim::SimulationConfig given = test::baseline("exact");
+  given.effects = {
+      {.id = "sys_skew", .parameters = {{"eps_ppm", {0}}, {"k_ppm_per_K", {50}}}, .axes = {}, .window_s = {}}};
+  EXPECT_THAT(diagnose(r, given).diagnosis.notices,
+              testing::Contains(HasSubstr("effect sys_skew of the simulation cannot be predicted")));
+}
+
 }  // namespace
 }  // namespace stillpoint::diag
