@@ -6,7 +6,7 @@
 namespace stillpoint::diag {
 
 struct TimingLaw {
-  std::string id;  ///< acc_delay, gyr_lpf, mag_delay, acc_resonance, sys_gap, sys_skew
+  std::string id;                         ///< acc_delay, gyr_lpf, mag_delay, acc_resonance, sys_gap, sys_skew
   std::vector<std::string> names, units;  ///< of the most numbers that it may have
   std::string equation, driver;
   std::vector<Eigen::VectorXd> starts;
