@@ -14,7 +14,7 @@ bool clips_before_the_filter(const EffectConfig& saturation, const std::vector<E
                      [&](const auto& e) { return e.id == sensor + "lpf" || e.id == sensor + "resonance"; });
 }
 
-Vec3 clipped(const ActiveEffect& saturation, Vec3 y, double t_s) noexcept {
+Vec3 within_rails(const ActiveEffect& saturation, Vec3 y, double t_s) noexcept {
   constexpr double kNone = std::numeric_limits<double>::infinity();
   const Vec3 level = saturation.values.vec3(0), side = saturation.values.vec3(2);
   for (int i = 0; i < 3; ++i)
@@ -43,7 +43,7 @@ Element::Element(Sensor sensor, const SimulationConfig& config, const TriadConfi
 /// The rail is one of the reading: y = H^-1 u + B and back.
 Vec3 Element::clipped(const Vec3& signal, double t_s) const noexcept {
   Vec3 y = inverse_ * signal + bias_;
-  for (const auto& c : clip_) y = sim::clipped(c, y, t_s);
+  for (const auto& c : clip_) y = within_rails(c, y, t_s);
   return matrix_ * (y - bias_);
 }
 

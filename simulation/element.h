@@ -58,7 +58,7 @@ class Element {
 };
 
 /// A reading within the rails that it meets: of both signs, or of that of its `side`.
-[[nodiscard]] Vec3 clipped(const ActiveEffect& saturation, Vec3 y, double t_s) noexcept;
+[[nodiscard]] Vec3 within_rails(const ActiveEffect& saturation, Vec3 y, double t_s) noexcept;
 
 /// Saturation that hides behind a filter: `hidden: 1` in a sensor that has one.
 [[nodiscard]] bool clips_before_the_filter(const EffectConfig& saturation, const std::vector<EffectConfig>& effects);

@@ -249,13 +249,14 @@ bool Simulator::next(SimulatedSample& out) noexcept {
     out = {};
     out.sample.t_ns = std::llround(1e9 * t);
     out.sample.sequence = row_;
-    clock_.start_row(t, environment_.temp_degC(t));
+    const double temp_degC = environment_.temp_degC(t);
+    clock_.start_row(t, temp_degC);
     for (const Sensor sensor : kSensors)
       if (has(sensor)) read_triad(sensor, t, out.sample);
     track_bias(t, out.sample);
     transport(t, out.sample);
     write_reference(t, out);
-    out.sample.temp_degC = environment_.temp_degC(t) + config_.environment.temperature.noise_K * aux_random_.normal();
+    out.sample.temp_degC = temp_degC + config_.environment.temperature.noise_K * aux_random_.normal();
     out.sample.has = static_cast<std::uint8_t>(out.sample.has | kTemp);
     out.current_A = environment_.current_A(t) + config_.environment.current.noise_A * aux_random_.normal();
     out.supply_V = environment_.supply_V(t) + config_.environment.supply.noise_V * aux_random_.normal();

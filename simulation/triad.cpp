@@ -36,7 +36,7 @@ Vec3 Triad::reading(const Vec3& signal, double row_t_s) noexcept {
 }
 
 Vec3 Triad::digital(Vec3 y, double t_s) noexcept {
-  for (const auto& c : clip_) y = clipped(c, y, t_s);
+  for (const auto& c : clip_) y = within_rails(c, y, t_s);
   for (const auto& q : quantum_)
     for (int i = 0; i < 3; ++i)
       if (const double step = q.values.vec3(0)[i]; q.on(i, t_s)) y[i] = step * std::round(y[i] / step);

@@ -25,7 +25,7 @@ constexpr std::size_t kMostTerms = 3;
 constexpr double kSpeaks = 300.0, kSpeaksOverDrift = 100.0, kSpeaksOfUnknown = 20.0;
 // The same, where it surely removes half of what is removable where it was not fitted: 40 clean recordings of a second
 // generator reach 21 beside exact references, 44 reach 52 beside cameras.
-constexpr double kSpeaksSurely = 50.0, kSpeaksSurelyByCamera = 80.0, kSurely = 0.5;
+constexpr double kSpeaksSurely = 50.0, kSpeaksSurelyByCamera = 80.0;
 constexpr double kWorthLooking = 0.5;                    // of that, by one idea on few rows
 constexpr double kRemainder = 0.05;                      // of a large effect's gain is what its model leaves
 constexpr double kFurther = 60.0, kFurtherShare = 0.03;  // of the first term's gain
@@ -165,7 +165,7 @@ const Term* choose(const Signals& s, const SensorSearch& search, const std::vect
     const double sure = sure_gain(search, t.found, beside);
     if (sure < std::min(gain.any, gain.surely)) continue;
     const auto held_out = as_stated(s, search, t.found, before, beside);
-    if (!held_out || (sure < gain.any && !(is_judged(*held_out) && held_out->share_ci95[0] > kSurely))) continue;
+    if (!held_out || (sure < gain.any && (!is_judged(*held_out) || is_unsure(*held_out)))) continue;
     if (!chosen) least = t.found.net_nats - std::clamp(kAlikeShare * t.found.gain_nats, kAlikeLeast, kAlikeMost);
     chosen = &t;
   }
@@ -231,7 +231,7 @@ void discover_in(const Signals& s, SensorSearch& sensor) {
   const std::vector<double> lines_hz = frequencies(s, sensor);
   LawSearch laws(s, sensor.sensor, lines_hz, sensor.moments_s);
   const bool named = any(is_name);
-  const SensorSearch bare = named ? without_some(sensor, [](const Found& f) { return !is_clock(f); }) : sensor;
+  const SensorSearch bare = without_some(sensor, [](const Found& f) { return !is_clock(f); });
   const double outdoes = gain_of(sensor, is_name) + kBetterThanNames;
   if (!open && !drifts && lines_hz.empty() && laws.most(sensor) < kWorthLooking * speaks_surely(s) &&
       (!named || laws.most(bare) < outdoes))

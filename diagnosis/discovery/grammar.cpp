@@ -42,8 +42,10 @@ class Ideas {
     for (const auto& [name, values] : drivers_.values) {
       if (values.cols() != 1 || name.find('(') != std::string::npos) continue;
       memory(name);
-      if (name != "T") add("d(" + name + ")");
-      if (name == "T") hysteresis(name, values);  // of a noisy driver a small width would smooth its noise
+      if (name == "T")
+        hysteresis(name, values);  // of a noisy driver a small width would smooth its noise
+      else
+        add("d(" + name + ")");
     }
     for (const auto& c : components_) open(remembered(c), "tau", lags(kLongestOfMotion), "s");
     for (const char* heat : {"norm(w)", "norm(w)^2", "norm(f)", "I^2", "d(T)"})

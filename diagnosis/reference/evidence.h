@@ -36,6 +36,9 @@ struct Finished {
 /// Whether a share with an interval is known of it.
 [[nodiscard]] bool is_judged(const HeldOut& h);
 
+/// Judged, and not sure, with 97.5 %, to remove half of what is removable.
+[[nodiscard]] bool is_unsure(const HeldOut& h);
+
 /// A law that is the cause removes nearly all that is removable wherever it acts; of what only goes along with the
 /// cause, not half is left elsewhere. A name claims to be the cause, a product may be one term of several: where a name
 /// gains enough to tell, it has to remove 0.65. Of 169 true names on four generators one did not, of 30 untrue ones

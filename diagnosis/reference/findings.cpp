@@ -75,8 +75,7 @@ struct Stated {
 bool has_possible_numbers(const SensorSearch& search, std::size_t index, const Finished& finished) {
   const Found& f = search.found[index];
   const auto first = first_column(search, index);
-  if (f.names == kWholeOrNothing)
-    return finished.values[first] > kLeastShareOfAWhole && finished.values[first] < kMostShareOfAWhole;
+  if (f.names == kWholeOrNothing) return is_share_of_a_whole(finished.values[first]);
   return !f.possible || f.possible(finished.values.segment(first, f.timing.size()));
 }
 
@@ -127,7 +126,6 @@ Stated stated_of(const Signals& s, const SensorSearch& search, const Finished& f
 /// Some product of drivers goes along with a camera's own errors for a while, and with its turns; of its fit it then
 /// predicts half. An offset or a line for a while is what a vibration does that the camera does not see.
 void drop_whiles_of_a_camera(const Signals& s, SensorSearch& search, std::vector<std::string>& notices) {
-  constexpr double kSurely = 0.5;
   if (s.exact_reference) return;
   const auto for_a_while = [](const Found& f) {
     return f.window.local && (f.id == kPlainOffset || f.id.ends_with("_alias"));
@@ -149,8 +147,7 @@ void drop_whiles_of_a_camera(const Signals& s, SensorSearch& search, std::vector
     const HeldOut h = held_out_by_regime(search, {i});
     SensorSearch without = search;
     take_out(without, i);
-    const bool unsure = is_judged(h) && h.share_ci95[0] < kSurely;
-    if (!unsure && stands_beside_wandering(s, without, f)) continue;
+    if (!is_unsure(h) && stands_beside_wandering(s, without, f)) continue;
     notices.push_back(
         fmt::format("{} fits, but is not stated: a reference that wanders does as much for a while", f.id));
     search = std::move(without);

@@ -140,10 +140,12 @@ void subtract_gradient(Signals& s, const sim::EffectConfig& e) {
   subtract_in_window(s, kMag, e, delta);
 }
 
-std::optional<Eigen::VectorXd> timing_values(const sim::EffectConfig& e, double dt_s) {
-  if (e.id == "sys_gap") return Eigen::VectorXd::Constant(1, -scalar(e, "n", 0.0) * dt_s);
-  if (e.id == "sys_skew" && e.parameters.contains("k_ppm_per_K"))
+std::optional<Eigen::VectorXd> timing_values(const sim::EffectConfig& e, const Signals& s) {
+  if (e.id == "sys_gap") return Eigen::VectorXd::Constant(1, -scalar(e, "n", 0.0) * s.dt_s);
+  if (e.id == "sys_skew" && e.parameters.contains("k_ppm_per_K")) {
+    if (s.temperature_K.size() == 0) return std::nullopt;
     return Eigen::Vector2d(kPpm * scalar(e, "eps_ppm", 0.0), kPpm * scalar(e, "k_ppm_per_K", 0.0));
+  }
   if (e.id == "sys_skew") return Eigen::VectorXd::Constant(1, kPpm * scalar(e, "eps_ppm", 0.0));
   if (e.id.find("resonance") != std::string::npos)
     return Eigen::Vector2d(scalar(e, "f_hz", 100.0), scalar(e, "zeta", 0.1));
@@ -152,9 +154,8 @@ std::optional<Eigen::VectorXd> timing_values(const sim::EffectConfig& e, double 
 }
 
 bool subtract_timing(Signals& s, Sensor k, const sim::EffectConfig& e) {
-  const auto values = timing_values(e, s.dt_s);
+  const auto values = timing_values(e, s);
   if (!values || e.id.find("_temp_") != std::string::npos) return false;
-  if (e.id == "sys_skew" && values->size() == 2 && s.temperature_K.size() == 0) return false;
   const std::string id = e.id == "sys_offset" ? std::string(kSensorName[k]) + "_delay" : e.id;
   const Window w = window_of(e, s);
   for (const TimingLaw& law : make_timing_laws(s, k, std::max<Eigen::Index>(w.begin, 1))) {

@@ -286,6 +286,8 @@ bool predicts(const HeldOut& h) {
 
 bool is_judged(const HeldOut& h) { return h.share_ci95[1] > h.share_ci95[0]; }
 
+bool is_unsure(const HeldOut& h) { return is_judged(h) && h.share_ci95[0] < 0.5; }
+
 bool fails_elsewhere(const HeldOut& h, const std::string& id) {
   constexpr double kOfACause = 0.65, kTellsIt_nats = 40.0;  // of less the noise leaves as little
   const bool no_cause = !is_unknown(id) && h.gain_nats > kTellsIt_nats && h.removable_share_removed < kOfACause;

@@ -30,7 +30,7 @@ inline constexpr const char* kTurnedAttitudes = "attitude_world";  ///< against 
 
 /// The one coefficient of a law that acts as a whole or not at all; with less of itself it stands for another law.
 inline const std::vector<std::string> kWholeOrNothing{"share"};
-inline constexpr double kLeastShareOfAWhole = 0.3, kMostShareOfAWhole = 1.25;
+[[nodiscard]] inline bool is_share_of_a_whole(double share) { return share > 0.3 && share < 1.25; }
 
 enum class Extent { kAny, kStep, kWhole };  ///< may be local in time; must be (a constant would be the offset); never
 

@@ -58,7 +58,7 @@ bool possible(const Signals& s, const SensorSearch& search, const Found& law) {
     const Fit fit = fit_beside(search, law);
     const double share = fit.theta.tail(count)[0],
                  sd = std::sqrt(std::max(fit.covariance.diagonal().tail(count)[0], 0.0));
-    return share > std::max(2.0 * sd, kLeastShareOfAWhole) && share < kMostShareOfAWhole;
+    return is_share_of_a_whole(share) && share > 2.0 * sd;
   }
   const sim::EffectInfo* info = entry_of_linear(law);
   if (info == nullptr) return true;

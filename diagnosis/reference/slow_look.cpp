@@ -91,15 +91,10 @@ std::optional<Signals> slow_rows(const Signals& s) {
 }
 
 void keep_what_is_slow(EngineResult& in_slow_rows) {
-  constexpr double kSurely = 0.5;  // of what is removable, where it was not fitted
   for (auto& search : in_slow_rows.sensor) {
     if (!search) continue;
     for (std::size_t i = search->found.size(); i-- > 0;) {
-      const auto predicts = [&] {
-        const HeldOut h = held_out_by_regime(*search, {i});
-        return !is_judged(h) || h.share_ci95[0] >= kSurely;
-      };
-      if (slow_drivers(search->found[i]).empty() || !predicts()) take_out(*search, i);
+      if (slow_drivers(search->found[i]).empty() || is_unsure(held_out_by_regime(*search, {i}))) take_out(*search, i);
     }
   }
 }

@@ -123,6 +123,10 @@ TimingFit fit_timing(const Target& target, const Columns& explained, const Noise
   const std::array<double, 3> no_walk{};
   const double before = fit_with(target, explained, noise, no_walk).log_likelihood;
   TimingFit best;
+  const auto is_better = [&best](double gain_nats, Eigen::Index numbers) {
+    const Eigen::Index more = best.parameters.size() == 0 ? 0 : numbers - best.parameters.size();
+    return gain_nats > best.gain_nats + kNatsANumber * static_cast<double>(more);
+  };
   const auto gain_at = [&](const Eigen::VectorXd& p) {
     Target shifted = target;
     shifted.residual -= law.delta(p);
@@ -150,9 +154,7 @@ TimingFit fit_timing(const Target& target, const Columns& explained, const Noise
       Target shifted = target;
       shifted.residual = target.residual - delta;
       const double here = fit_with(shifted, explained, noise, no_walk).log_likelihood;
-      const double more = kNatsANumber * static_cast<double>(p.size() - best.parameters.size());
-      if (here - before > best.gain_nats + (best.parameters.size() > 0 ? more : 0.0))
-        best = {p, tangent, delta, here - before};
+      if (is_better(here - before, p.size())) best = {p, tangent, delta, here - before};
       if (step > 0 && here < reached + 1e-3) break;
       reached = here;
       const Fit fit = fit_with(shifted, columns, noise, no_walk);

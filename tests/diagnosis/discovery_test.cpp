@@ -1,5 +1,4 @@
 /// Laws outside the catalogue: found on one motion, right on another.
-#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -8,11 +7,8 @@
 #include <set>
 
 #include "diagnosis/diagnose.h"
-#include "diagnosis/discovery/discover.h"
 #include "diagnosis/discovery/law_words.h"
 #include "diagnosis/improved.h"
-#include "diagnosis/reference/judge.h"
-#include "diagnosis/reference/refine.h"
 #include "io/simulated_recording.h"
 #include "io/simulation_yaml.h"
 #include "simulation/law_effect.h"
@@ -101,11 +97,6 @@ TEST(Discovery, ALawComesWithWhatItWasWeighedAgainstAndTheResidualAgainstItsQuan
   EXPECT_THAT(labels, testing::IsSupersetOf({"w_y, rad/s", "w_z, rad/s", "T, degC"}));
 }
 
-TEST(Discovery, ACleanRecordingGivesNoLaw) {
-  const sim::SimulationConfig clean = with_law("  []");
-  for (const auto& e : diagnose(recording_of(clean, 4), clean).effects) EXPECT_FALSE(sim::is_law(e)) << e.id;
-}
-
 TEST(Discovery, TheSizeOfTheAngularAccelerationIsADriver) {
   EXPECT_LT(left_on_another_motion(
                 with_law("  - {effect: law, sensor: acc, law: \"norm(d(w))\", k: [-0.01, 0.008, -0.009]}"), Of::kAcc),
@@ -148,38 +139,6 @@ TEST(Discovery, TheRateOfTheReadingThroughAMatrixIsALaw) {
       0.2);
 }
 
-/// A temperature that has risen within seconds is a constant from then on, and beside a camera that is a wrong bias.
-TEST(Discovery, WhatIsNearlyAConstantBesideACameraIsNoLaw) {
-  sim::SimulationConfig config = with_law("  - {effect: law, sensor: gyr, law: \"d(T)\", k: [-0.02, -0.001, -0.013]}");
-  config.rate_hz = 100;
-  config.motion->kind = "boat";
-  config.motion->duration_s = 40;
-  config.reference.kind = "mocap";
-  config.environment.temperature.kind = "activity";
-  config.environment.temperature.rise_K = 30;
-  config.environment.temperature.tau_s = 2;
-  const io::Recording recording = recording_of(config, 3);
-  config.effects.clear();
-  const Answer answer = diagnose(recording, config);
-  ASSERT_EQ(answer.effects.size(), 1U) << answer.diagnosis.summary;
-  EXPECT_EQ(sim::expression_of(answer.effects.front()), "d(T)");
-}
-
-/// Its largest swing looks like a delay of all sensors that comes and goes.
-TEST(Discovery, ALatencyThatSwingsIsALawAndNoDelayForAWhile) {
-  sim::SimulationConfig config = with_law(
-      "  - {effect: law, sensor: gyr, law: \"d(w) * (1 + sin(t / 4.8))\", k: [0.0025, 0.0025, 0.0025]}\n"
-      "  - {effect: law, sensor: acc, law: \"d(f) * (1 + sin(t / 4.8))\", k: [0.0025, 0.0025, 0.0025]}\n"
-      "  - {effect: law, sensor: mag, law: \"d(m) * (1 + sin(t / 4.8))\", k: [0.0025, 0.0025, 0.0025]}");
-  config.reference.kind = "mocap";
-  const io::Recording recording = recording_of(config, 3);
-  config.effects.clear();
-  const auto said = test::names(diagnose(recording, config));
-  for (const char* vector : {"w", "f", "m"})
-    EXPECT_THAT(said, testing::Contains(testing::StartsWith(fmt::format("unknown:d({}) * sin(t / 4.", vector))));
-  EXPECT_THAT(said, testing::Not(testing::Contains(testing::EndsWith("_delay"))));
-}
-
 TEST(Discovery, APeriodIsRefined) {
   EXPECT_LT(left_on_another_motion(
                 with_law("  - {effect: law, sensor: gyr, law: \"sin(w / 0.21)\", k: [0.004, 0.003, -0.004]}")),
@@ -210,14 +169,6 @@ TEST(Discovery, WhatEachAxisDoesByItsOwnSizeIsNoSizeOfAll) {
   EXPECT_LT(left_on_another_motion(with_law(
                 "  - {effect: law, sensor: gyr, law: \"w * abs(w) * (T - 25)\", k: [0.0004, -0.0003, 0.0004]}")),
             0.1);
-}
-
-/// Too weak to be spoken of by what it gains, which the noise model has half of; it predicts all the same.
-TEST(Discovery, AWeakLawIsToldThatSurelyPredicts) {
-  const Answer answer =
-      answer_of(with_law("  - {effect: law, sensor: gyr, law: \"lag(I, 3)\", k: [0.0003, 0.0002, -0.0003]}"));
-  ASSERT_FALSE(answer.diagnosis.findings.empty());
-  EXPECT_THAT(answer.diagnosis.findings[0].effect, testing::StartsWith("unknown:lag(I, "));
 }
 
 TEST(Discovery, AThirdFactorIsFound) {
@@ -304,46 +255,6 @@ TEST(Discovery, WhereNoFormulaIsGoodEnoughATableIsWrittenThatPredicts) {
   const auto read = io::parse_simulation("gyroscope: {}\neffects:\n  - " + io::format_effect(improved.effects.front()),
                                          "improved.yaml");
   EXPECT_TRUE(read) << read.error().message;
-}
-
-/// A name that explains a third of what a law does, although neither would be looked for where nothing was named.
-TEST(Discovery, ALawThatExplainsClearlyMoreTakesThePlaceOfAName) {
-  sim::SimulationConfig config = with_law("  - {effect: law, sensor: gyr, law: \"lag(w_y, 0.6)\", k: [0, -0.0005, 0]}");
-  const io::Recording recording = recording_of(config, 3);
-  config.effects.clear();
-  Result<Signals> s = make_signals(recording, config, {});
-  ASSERT_TRUE(s);
-  EngineResult engine;
-  SensorSearch& gyr = engine.sensor[kGyr].emplace(start_search(*s, kGyr, {}));
-  const auto is_gsens = [](const Law& law) { return law.id == "gyr_gsens"; };
-  const Law& name = *std::find_if(gyr.laws.begin(), gyr.laws.end(), is_gsens);
-  Found found = found_from(name, Candidate{}, name.columns(0.0));
-  Judge(gyr).weigh(found);
-  gyr.found.push_back(std::move(found));
-  discover(*s, engine);
-  ASSERT_EQ(gyr.found.size(), 1U);
-  EXPECT_THAT(gyr.found[0].id, testing::StartsWith("unknown:lag(w_y, 0.")) << gyr.found[0].gain_nats;
-}
-
-TEST(Discovery, ALawThatLeavesOnlyNoiseExplains) {
-  const sim::SimulationConfig truth =
-      with_law("  - {effect: law, sensor: gyr, law: \"norm(w) * I\", k: [0.002, 0.001, -0.002]}");
-  sim::SimulationConfig plain = truth;
-  plain.effects.clear();
-  const io::Recording recording = recording_of(truth, 3);
-  const Answer answer = diagnose(recording, plain);
-  EXPECT_EQ(answer.diagnosis.verdict, Verdict::kExplained) << answer.diagnosis.summary;
-  sim::SimulationConfig improved = plain;
-  improved.effects = answer.effects;
-  const Diagnosis again = diagnose(recording, improved).diagnosis;
-  EXPECT_EQ(again.verdict, Verdict::kNoMismatch) << again.summary;
-}
-
-TEST(Discovery, ALawThatTheSimulationHasIsNotFoundAgain) {
-  const sim::SimulationConfig truth =
-      with_law("  - {effect: law, sensor: gyr, law: \"lag(w_y * w_z, 0.5)\", k: [0.01, 0, -0.02]}");
-  const Answer answer = diagnose(recording_of(truth, 3), truth);
-  EXPECT_EQ(answer.diagnosis.verdict, Verdict::kNoMismatch) << answer.diagnosis.summary;
 }
 
 }  // namespace
