@@ -4,9 +4,11 @@
 #include <stillpoint_idl/stillpointPubSubTypes.h>
 
 #include <algorithm>
+#include <chrono>
 #include <cstring>
 #include <exception>
 #include <string_view>
+#include <thread>
 #include <vector>
 
 #include "core/clock.h"
@@ -120,7 +122,11 @@ Result<void> DdsPublisher::Impl::create_writers() {
 }
 
 DdsPublisher::DdsPublisher(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
-DdsPublisher::~DdsPublisher() = default;
+DdsPublisher::~DdsPublisher() {
+  // The notice of departure comes on a socket of its own: a busy reader that sees it first drops what still waits.
+  constexpr auto kUntilRead = std::chrono::milliseconds(200);
+  if (impl_->attitude != nullptr && attitude_subscribers() > 0) std::this_thread::sleep_for(kUntilRead);
+}
 
 Result<std::unique_ptr<DdsPublisher>> DdsPublisher::create(const DdsParams& asked) {
   const DdsParams params = in_namespace(asked);

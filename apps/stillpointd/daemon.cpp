@@ -9,6 +9,7 @@
 #include "apps/stillpointd/signals.h"
 #include "apps/stillpointd/slow_work.h"
 #include "apps/stillpointd/source.h"
+#include "core/clock.h"
 #include "io/calibration_state.h"
 
 namespace stillpoint::app {
@@ -205,6 +206,17 @@ void say_what_runs(const io::DaemonConfig& config) {
                   config.dds.domain, config.dds.transport));
 }
 
+/// False: the end was asked for first.
+bool subscribers_are_there(int wanted, Wire& wire, const Signals& signals) {
+  // One that this side has matched drops what comes before it has matched this side, which no one is told of.
+  constexpr std::int64_t kUntilMatched_ns = 200'000'000;
+  for (std::int64_t since_ns = monotonic_ns(); wanted > 0 && monotonic_ns() - since_ns < kUntilMatched_ns;) {
+    if (signals.end_is_asked()) return false;
+    if (wire.report().attitude_subscribers < wanted) since_ns = monotonic_ns();
+  }
+  return true;
+}
+
 }  // namespace
 
 int run_daemon(const io::DaemonConfig& config, const DaemonOptions& options) {
@@ -226,8 +238,7 @@ int run_daemon(const io::DaemonConfig& config, const DaemonOptions& options) {
   if (const auto started = wire.start(); !started) return report(started.error());
   prepare_machine(config.threads, *around.troubles);
   say_what_runs(config);
-  while (wire.report().attitude_subscribers < options.wait_for_subscribers)
-    if (around.signals.end_is_asked()) return 0;
+  if (!subscribers_are_there(options.wait_for_subscribers, wire, around.signals)) return 0;
   Running(config, options.config_file, around, std::move(**source), wire, calibrator, keeper ? &*keeper : nullptr)
       .run();
   return 0;

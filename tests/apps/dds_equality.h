@@ -6,6 +6,8 @@
 #include <iostream>
 #include <map>
 #include <mutex>
+#include <string>
+#include <vector>
 
 #include "io/dds_subscriber.h"
 #include "tests/apps/apps_testing.h"
@@ -52,6 +54,18 @@ struct Received {
   std::size_t messages = 0;
 };
 
+/// Of the rows sent, how many did not come and where the first and the last of them was.
+inline std::string missing(const std::map<std::uint64_t, RowBits>& sent, const std::map<std::uint64_t, RowBits>& came) {
+  std::vector<std::size_t> rows;
+  for (std::size_t row = 0; const auto& one : sent) {
+    if (!came.contains(one.first)) rows.push_back(row);
+    ++row;
+  }
+  if (rows.empty()) return "no row is missing";
+  return std::to_string(rows.size()) + " of " + std::to_string(sent.size()) + " rows are missing, row " +
+         std::to_string(rows.front()) + " to row " + std::to_string(rows.back());
+}
+
 /// Share of the rows received. Fails the test on any difference, and on any message that `estimate` does not have.
 inline double share_received_bit_for_bit(double speed) {
   const ScratchFolder scratch;
@@ -93,7 +107,7 @@ inline double share_received_bit_for_bit(double speed) {
   EXPECT_EQ(received.messages, received.rows.size()) << "a message came twice";
   EXPECT_GT(offline.size(), 13'000U);
   if (received.rows.size() < offline.size())  // lost on the way, or refused or not written: the daemon knows
-    std::cout << offline.size() - received.rows.size() << " rows are missing; " << read_file(scratch / "daemon.log");
+    std::cout << read_file(scratch / "daemon.log") << missing(offline, received.rows) << std::endl;
   return static_cast<double>(received.rows.size()) / static_cast<double>(offline.size());
 }
 

@@ -1,3 +1,4 @@
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <atomic>
@@ -166,6 +167,28 @@ TEST_P(BrokenSubscriber, StoppedOrKilledDoesNotDelayThePublisher) {
 
 INSTANTIATE_TEST_SUITE_P(Transports, BrokenSubscriber, testing::Values("udp", "shm", "data_sharing"),
                          [](const auto& test) { return std::string(test.param); });
+
+TEST(DdsPeers, WhatWasWrittenLastReachesASubscriberThatIsBusy) {
+  constexpr std::uint64_t kMessages = 50;
+  for (int round = 0; round < 5; ++round) {
+    auto publisher = io::DdsPublisher::create(test_params());
+    ASSERT_TRUE(publisher) << publisher.error().message;
+    Process peer({DDS_PEER, "subscribe", domain(), "udp", "30"});
+    ASSERT_TRUE(eventually([&] { return (*publisher)->attitude_subscribers() == 1; }));
+    ASSERT_FALSE(peer.some_output().empty());  // it has matched too
+    peer.send(SIGSTOP);
+    for (std::uint64_t k = 0; k < kMessages; ++k) (*publisher)->publish(attitude_message(k));
+    std::jthread goes_on([&] {
+      std::this_thread::sleep_for(std::chrono::milliseconds(50));
+      peer.send(SIGCONT);
+    });
+    publisher->reset();
+    goes_on.join();
+    std::this_thread::sleep_for(std::chrono::milliseconds(300));
+    peer.send(SIGTERM);
+    EXPECT_THAT(peer.output(), testing::EndsWith(std::to_string(kMessages) + "\n")) << "round " << round;
+  }
+}
 
 TEST(DdsPeers, APublisherStartsBesideTheLeftoversOfAKilledOne) {
   for (const char* transport : {"shm", "data_sharing"}) {

@@ -49,6 +49,7 @@ int subscribe(const io::DdsParams& params, double seconds) {
     if ((*subscriber)->publishers() > 0) fmt::print("{}\n", received.load());
     std::fflush(stdout);
   }
+  fmt::print("{}\n", received.load());
   return 0;
 }
 
