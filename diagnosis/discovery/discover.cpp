@@ -26,7 +26,7 @@ constexpr double kSpeaks = 300.0, kSpeaksOverDrift = 100.0, kSpeaksOfUnknown = 2
 // The same, where it surely removes half of what is removable where it was not fitted: 40 clean recordings of a second
 // generator reach 21 beside exact references, 44 reach 52 beside cameras.
 constexpr double kSpeaksSurely = 50.0, kSpeaksSurelyByCamera = 80.0;
-constexpr double kWorthLooking = 0.5;                    // of that, by one idea on few rows
+constexpr double kWorthLooking = 0.5;                    // of what is asked for, by one idea on few rows
 constexpr double kRemainder = 0.05;                      // of a large effect's gain is what its model leaves
 constexpr double kFurther = 60.0, kFurtherShare = 0.03;  // of the first term's gain
 constexpr double kOfTheBest = 0.5;                       // of its net gain: what follows it is another law
@@ -233,9 +233,13 @@ void discover_in(const Signals& s, SensorSearch& sensor) {
   const bool named = any(is_name);
   const SensorSearch bare = without_some(sensor, [](const Found& f) { return !is_clock(f); });
   const double outdoes = gain_of(sensor, is_name) + kBetterThanNames;
-  if (!open && !drifts && lines_hz.empty() && laws.most(sensor) < kWorthLooking * speaks_surely(s) &&
-      (!named || laws.most(bare) < outdoes))
-    return;
+  const auto is_worth_looking = [&] {
+    const double beside = laws.most(sensor);
+    // Names that leave nothing over are not outdone.
+    return beside >= kWorthLooking * speaks_surely(s) ||
+           (named && beside >= kWorthLooking * kBetterThanNames && laws.most(bare) >= outdoes);
+  };
+  if (!open && !drifts && lines_hz.empty() && !is_worth_looking()) return;
   std::optional<Discovered> best;
   // A name that begins and ends for no reason, on data that cannot tell it from a formula, is the formula, unless that
   // begins and ends for no more reason.
