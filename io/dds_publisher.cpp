@@ -122,11 +122,7 @@ Result<void> DdsPublisher::Impl::create_writers() {
 }
 
 DdsPublisher::DdsPublisher(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
-DdsPublisher::~DdsPublisher() {
-  // The notice of departure comes on a socket of its own: a busy reader that sees it first drops what still waits.
-  constexpr auto kUntilRead = std::chrono::milliseconds(200);
-  if (impl_->attitude != nullptr && attitude_subscribers() > 0) std::this_thread::sleep_for(kUntilRead);
-}
+DdsPublisher::~DdsPublisher() = default;
 
 Result<std::unique_ptr<DdsPublisher>> DdsPublisher::create(const DdsParams& asked) {
   const DdsParams params = in_namespace(asked);
@@ -236,6 +232,10 @@ bool DdsPublisher::wait_for_acknowledgements(double timeout_s) {
                                               static_cast<std::uint32_t>(left_ns % 1'000'000'000));
     all = writer->wait_for_acknowledgments(left) == Code::RETCODE_OK && all;
   }
+  // Nobody acknowledges an attitude. The notice of departure comes on a socket of its own: a busy reader that sees it
+  // first drops what still waits.
+  constexpr auto kUntilRead = std::chrono::milliseconds(200);
+  if (attitude_subscribers() > 0) std::this_thread::sleep_for(kUntilRead);
   return all;
 }
 

@@ -24,7 +24,6 @@ class DdsPublisher {
  public:
   /// Fails with 78 for values that make no sense, 69 when no participant can be created.
   [[nodiscard]] static Result<std::unique_ptr<DdsPublisher>> create(const DdsParams& params);
-  /// With subscribers matched it stays 0.2 s, so that they read what was written last.
   ~DdsPublisher();
   DdsPublisher(const DdsPublisher&) = delete;
   DdsPublisher& operator=(const DdsPublisher&) = delete;
@@ -46,7 +45,8 @@ class DdsPublisher {
   [[nodiscard]] Neighbours neighbours() const;
   /// Datagrams so far that were kept from Fast DDS. Any thread.
   [[nodiscard]] RefusedDatagrams refused_datagrams() const;
-  /// Waits until every reliable message so far has been acknowledged. False: the time was up. Slow thread.
+  /// Before the end: waits until every reliable message so far has been acknowledged, and 0.2 s for subscribers of the
+  /// attitude to read the last ones. False: the time was up. Slow thread.
   bool wait_for_acknowledgements(double timeout_s);
 
  private:

@@ -182,6 +182,7 @@ TEST(DdsPeers, WhatWasWrittenLastReachesASubscriberThatIsBusy) {
       std::this_thread::sleep_for(std::chrono::milliseconds(50));
       peer.send(SIGCONT);
     });
+    EXPECT_TRUE((*publisher)->wait_for_acknowledgements(1.0));
     publisher->reset();
     goes_on.join();
     std::this_thread::sleep_for(std::chrono::milliseconds(300));
