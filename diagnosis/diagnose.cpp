@@ -8,7 +8,6 @@
 #include "diagnosis/forensics/forensics.h"
 #include "diagnosis/no_reference/no_reference.h"
 #include "diagnosis/reference/with_reference.h"
-#include "diagnosis/sanity/readings.h"
 #include "diagnosis/sanity/rows_with_reference.h"
 #include "diagnosis/sanity/sanity.h"
 #include "diagnosis/sanity/sensor_rows.h"
@@ -79,11 +78,8 @@ Answer diagnose(const io::Recording& given_recording, const sim::SimulationConfi
   sim::SimulationConfig simulation = given;
   Answer answer;
   auto& notices = answer.diagnosis.notices;
-  const auto clean = without_false_values(given_recording, notices);
-  const io::Recording& usable = clean ? *clean : given_recording;
-  const auto inertial = with_inertial_on_rows(usable, notices);
-  const auto joined = with_field_on_rows(inertial ? *inertial : usable, notices);
-  const io::Recording& recording = joined ? *joined : inertial ? *inertial : usable;
+  const auto on_rows = readings_on_rows(given_recording, notices);
+  const io::Recording& recording = on_rows ? *on_rows : given_recording;
   RowsWithReference with_frames;
   if (!recording.ref_q_world_body.empty()) with_frames = rows_with_reference(recording, notices);
   auto& even = with_frames.changed;

@@ -6,6 +6,7 @@
 #include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "core/so3.h"
 #include "diagnosis/foreign/clocks.h"
@@ -19,8 +20,12 @@ constexpr double kSameMotion = 0.7;   // correlation of the norms
 constexpr double kShortest_s = 10.0;  // of the overlap
 constexpr double kDrift = 2e-3;       // of two clocks; beyond, it is no clock
 constexpr double kParted = 0.5;       // of the block's own scatter left over by the best linear map
+constexpr double kStill = 4.0;        // times the noise: no motion
 constexpr double kBlock_s = 2.0;
 constexpr double kSameAxes_rad = 0.35;
+constexpr double kUnseen = 1e-3;        // of the power of all axes: one that moves less says nothing of units or axes
+constexpr double kLongestStep_s = 0.1;  // between two frames of a reference that say how it turned
+constexpr Eigen::Index kFewestFrames = 200;
 
 const std::vector<Vec3>& column(const io::Recording& r, Sensor k) {
   return k == kAcc ? r.acc_mps2 : k == kGyr ? r.gyr_radps : r.mag_uT;
@@ -36,10 +41,32 @@ Course course_of(const io::Recording& r, Sensor k) {
   return c;
 }
 
+/// The rate between neighbouring frames of the reference, at the middle between them.
+Course turning_of_reference(const io::Recording& r) {
+  std::vector<Vec3> rate;
+  std::vector<double> at;
+  std::optional<std::size_t> last;
+  for (std::size_t i = 0; i < r.ref_q_world_body.size(); ++i) {
+    if (!r.ref_q_world_body[i].allFinite()) continue;
+    const auto turn = [&r](std::size_t k) {
+      const Eigen::Vector4d& q = r.ref_q_world_body[k];
+      return Quat(q[0], q[1], q[2], q[3]).normalized();
+    };
+    if (const double step = last ? r.t_s(i) - r.t_s(*last) : 0.0; step > 0.0 && step < kLongestStep_s) {
+      rate.push_back(log_quat(turn(*last).conjugate() * turn(i)) / step);
+      at.push_back(0.5 * (r.t_s(i) + r.t_s(*last)) - r.t_s(0));
+    }
+    last = i;
+  }
+  const auto n = static_cast<Eigen::Index>(at.size());
+  return {filled3(rate), {r.median_step_s(), Eigen::Map<const Series>(at.data(), n)}};
+}
+
 /// y ~ offset + A x over the rows inside.
 struct Map {
   Mat3 A = Mat3::Identity();
   Series3 left;
+  Mat3 scatter = Mat3::Identity();  ///< of x
 };
 
 Map linear_map(const Series3& x, const Series3& y, const Mask& outside) {
@@ -48,14 +75,32 @@ Map linear_map(const Series3& x, const Series3& y, const Mask& outside) {
   for (Eigen::Index i = 0; i < n; ++i)
     if (!outside[static_cast<std::size_t>(i)]) design.row(i) << 1.0, x.row(i), rhs.row(i) = y.row(i);
   const Eigen::MatrixXd c = design.colPivHouseholderQr().solve(rhs);
-  return {Mat3(c.bottomRows(3).transpose()), (y - x * c.bottomRows(3)).rowwise() - c.row(0)};
+  const auto rows = design.rightCols(3);
+  const Eigen::RowVector3d sum = rows.colwise().sum();
+  const Mat3 scatter = rows.transpose() * rows - sum.transpose() * sum / std::max(design.col(0).sum(), 1.0);
+  return {Mat3(c.bottomRows(3).transpose()), (y - x * c.bottomRows(3)).rowwise() - c.row(0), scatter};
 }
 
-/// The map of the rows that it fits best: half of them, so that a part of another motion does not bend it.
+/// Rows before the log begins or after it ends.
+Mask outside_of(const Course& log, const Course& course, const Clocks& clocks) {
+  Mask out(static_cast<std::size_t>(course.x.rows()));
+  for (std::size_t i = 0; i < out.size(); ++i) {
+    const double at = clocks.at(course.rows.at(static_cast<Eigen::Index>(i)));
+    out[i] = at < 0.0 || at > log.end_s() ? 1 : 0;
+  }
+  return out;
+}
+
+/// The map of the rows that it fits best for how much they move: half of them, so that a part of another motion does
+/// not bend it, nor a rest, which says nothing of it.
 Map map_of_the_better_half(const Series3& x, const Series3& y, const Mask& outside) {
+  constexpr Eigen::Index kAround = 50;
+  Series3 moves = y;
+  for (Eigen::Index c = 0; c < 3; ++c) moves.col(c) -= moving_mean(y.col(c), kAround);
+  const Series moved = moving_mean(moves.rowwise().squaredNorm(), kAround).array() + 1e-300;
   Map map = linear_map(x, y, outside);
   for (int round = 0; round < 5; ++round) {
-    const Series left = moving_mean(map.left.rowwise().squaredNorm(), 50);
+    const Series left = moving_mean(map.left.rowwise().squaredNorm(), kAround).array() / moved.array();
     const double middle = quantile(left, 0.5);
     Mask worse = outside;
     for (std::size_t i = 0; i < worse.size(); ++i) worse[i] = worse[i] || left[static_cast<Eigen::Index>(i)] > middle;
@@ -94,9 +139,12 @@ std::string axes_of(const Mat3& R) {
   return out;
 }
 
-/// Whether the two mean the same by a number: units first, then axes. Empty where they do.
-std::string difference(Sensor k, const Mat3& A) {
-  const double factor = std::cbrt(std::max(std::abs(A.determinant()), 1e-300));
+/// Whether the two mean the same by a number: units first, then axes, both by what moves. Empty where they do.
+std::string difference(Sensor k, const Map& map) {
+  const Mat3& C = map.scatter;
+  const double factor = std::sqrt((map.A * C * map.A.transpose()).trace() / std::max(C.trace(), 1e-300));
+  const Mat3 unseen = Mat3::Identity() * (kUnseen * C.trace());
+  const Mat3 A = (map.A * C + factor * unseen) * (C + unseen).inverse();
   if (factor < 0.67 || factor > 1.5) {
     const std::string unit = unit_of_factor(k, 1.0 / factor);
     return fmt::format("the {} of the simulated log is {:.4g} times that of the recording{}", kSensorName[k],
@@ -116,15 +164,23 @@ std::string difference(Sensor k, const Mat3& A) {
                    : fmt::format(": the recording's x, y, z are its {0}; import it with mount: \"{0}\"", axes));
 }
 
-/// Where the motions part for good: the time of the first block after which hardly any agrees. Negative: nowhere.
-double parts_at_s(const Course& recording, const Map& map, const Mask& outside) {
-  const auto block = std::max<Eigen::Index>(1, std::lround(kBlock_s / recording.rows.step_s));
+/// Where the motions part for good: the time of the first block after which hardly any agrees. Negative: nowhere. Where
+/// both rest there is nothing but noise to agree on.
+double parts_at_s(const Course& motion, const Course& log, const Clocks& clocks) {
+  const auto block = std::max<Eigen::Index>(1, std::lround(kBlock_s / motion.rows.step_s));
+  const double noise = std::hypot(quiet_noise(motion.x, motion.rows.step_s), quiet_noise(log.x, log.rows.step_s));
+  const double still = kStill * noise * std::sqrt(3.0 * static_cast<double>(block));
+  const Mask outside = outside_of(log, motion, clocks);
+  const Map map = map_of_the_better_half(at_rows_of(motion, log, clocks), motion.x, outside);
   std::vector<std::pair<double, bool>> agreed;
-  for (Eigen::Index b = 0; b + block <= recording.x.rows(); b += block) {
+  for (Eigen::Index b = 0; b + block <= motion.x.rows(); b += block) {
     if (std::any_of(outside.begin() + b, outside.begin() + b + block, [](auto o) { return o != 0; })) continue;
-    const Series3 own = recording.x.middleRows(b, block).rowwise() - recording.x.middleRows(b, block).colwise().mean();
-    const Series3 left = map.left.middleRows(b, block).rowwise() - map.left.middleRows(b, block).colwise().mean();
-    agreed.emplace_back(recording.rows.at(b), left.norm() < kParted * own.norm());
+    const auto scatter = [b, block](const Series3& x) {
+      return (x.middleRows(b, block).rowwise() - x.middleRows(b, block).colwise().mean()).norm();
+    };
+    const double own = scatter(motion.x), left = scatter(map.left);
+    if (own < still && left < still) continue;
+    agreed.emplace_back(motion.rows.at(b), left < std::max(kParted * own, still));
   }
   std::size_t good = 0, best = agreed.size();
   for (std::size_t i = 0; i < agreed.size(); ++i) good += agreed[i].second ? 1 : 0;
@@ -143,6 +199,7 @@ void add_reference(const io::Recording& log, const Course& recording, const Cloc
   io::Recording& r = out.reference;
   if (!r.ref_q_world_body.empty()) return;
   if (out.reading[kGyr].rows() == 0) return;
+  out.summed_up = true;
   const Series3& w = out.reading[kGyr];
   Quat q = Quat::Identity();
   if (!log.ref_q_world_body.empty()) {
@@ -184,7 +241,11 @@ Result<AlignedLog> align(const io::Recording& log, const io::Recording& recordin
     return fail(ErrorKind::kBadData,
                 "the simulated log and the recording share neither a gyroscope nor an accelerometer");
   const Course theirs = course_of(log, lead), ours = course_of(recording, lead);
+  const Course turning = turning_of_reference(recording);
+  const bool has_reference = lead == kGyr && turning.x.rows() >= kFewestFrames;
   Clocks clocks = coarse_clocks(theirs, ours);
+  if (has_reference)
+    if (const Clocks seen = coarse_clocks(theirs, turning); seen.correlation > clocks.correlation) clocks = seen;
   if (clocks.overlap_s < kShortest_s)
     return fail(ErrorKind::kBadData,
                 fmt::format("the simulated log and the recording overlap by {:.1f} s only; at least "
@@ -196,32 +257,28 @@ Result<AlignedLog> align(const io::Recording& log, const io::Recording& recordin
                             "together (best correlation {:.2f}); replay the recording's motion in the simulator",
                             kSensorName[lead], clocks.correlation));
   refine_clocks(theirs, ours, clocks);
+  if (has_reference) clocks = clocks_of_reference(theirs, turning, clocks);
   if (std::abs(clocks.drift) > kDrift)
     return fail(ErrorKind::kBadData,
                 fmt::format("the clock of the simulated log runs {:+.2f} % against the recording's: "
                             "its time column has another unit or the motion another speed",
                             100.0 * clocks.drift));
+  const double t = parts_at_s(ours, theirs, clocks);
+  if (t >= 0.0 && !(has_reference && parts_at_s(turning, theirs, clocks) < 0.0))
+    return fail(ErrorKind::kBadData,
+                fmt::format("the simulated log and the recording part at {:.1f} s: from there on the motion is "
+                            "another; give both up to there",
+                            t));
   AlignedLog out;
   out.offset_s = clocks.offset_s, out.drift = clocks.drift;
-  out.outside.assign(recording.size(), 0);
-  for (std::size_t i = 0; i < recording.size(); ++i) {
-    const double at = clocks.offset_s + (1.0 + clocks.drift) * ours.rows.at(static_cast<Eigen::Index>(i));
-    out.outside[i] = at < 0.0 || at > theirs.end_s() ? 1 : 0;
-  }
+  out.outside = outside_of(theirs, ours, clocks);
   for (const Sensor k : {kAcc, kGyr, kMag}) {
     if (!holds(log, k) || !holds(recording, k)) continue;
     const Course c = course_of(log, k), own = course_of(recording, k);
     out.reading[k] = at_rows_of(own, c, clocks);
     out.noise_sd[k] = quiet_noise(c.x, log.median_step_s());
-    const Map map = linear_map(out.reading[k], own.x, out.outside);
-    if (k == lead)
-      if (const double t = parts_at_s(own, map_of_the_better_half(out.reading[k], own.x, out.outside), out.outside);
-          t >= 0.0)
-        return fail(ErrorKind::kBadData,
-                    fmt::format("the simulated log and the recording part at {:.1f} s: from there on the motion is "
-                                "another; give both up to there",
-                                t));
-    if (const std::string what = difference(k, map.A); !what.empty()) return fail(ErrorKind::kBadData, what);
+    if (const std::string what = difference(k, linear_map(out.reading[k], own.x, out.outside)); !what.empty())
+      return fail(ErrorKind::kBadData, what);
     if (const double noise = quiet_noise(own.x, recording.median_step_s()); out.noise_sd[k] > 1.3 * noise && noise > 0)
       out.notices.push_back(
           fmt::format("{}: the simulated log is noisier ({:.2g} {}) than the recording ({:.2g}): the "
@@ -231,9 +288,10 @@ Result<AlignedLog> align(const io::Recording& log, const io::Recording& recordin
   out.reference = recording;
   add_reference(log, ours, clocks, out);
   out.notices.push_back(fmt::format(
-      "the recording's first row is at {:.4f} s of the simulated log, whose clock runs {:+.1f} ppm against it; a delay "
-      "common to all sensors would be taken for this offset",
-      clocks.offset_s, 1e6 * clocks.drift));
+      "the recording's first row is at {:.4f} s of the simulated log, whose clock runs {:+.1f} ppm against it; {}",
+      clocks.offset_s, 1e6 * clocks.drift,
+      has_reference ? "a delay common to all sensors is told by the recording's reference"
+                    : "a delay common to all sensors would be taken for this offset"));
   return out;
 }
 

@@ -18,6 +18,7 @@ struct AlignedLog {
   double drift = 0.0;                       ///< seconds of the log more, a second of the recording
   std::array<double, kSensors> noise_sd{};  ///< of one reading of the log, above all motion
   io::Recording reference;  ///< the recording with a reference: its own, the log's, or the log's turning
+  bool summed_up = false;   ///< that is the log's turning: its attitudes drift
   std::vector<std::string> notices;
 };
 

@@ -3,6 +3,7 @@
 #include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
+#include <vector>
 
 #include "diagnosis/reference/differences.h"
 
@@ -11,6 +12,8 @@ namespace {
 
 constexpr double kCoarse_s = 0.05;
 constexpr Eigen::Index kReach = 4;  // rows on either side of a value between rows
+constexpr std::size_t kParts = 10;  // of the recording, each left out once
+constexpr double kSurely = 5.0;     // standard deviations between two clocks
 
 /// The norm at every coarse step, as the mean of the rows there.
 Series coarse_norm(const Course& c) {
@@ -27,6 +30,58 @@ Series coarse_norm(const Course& c) {
 double correlation(const Eigen::Ref<const Series>& a, const Eigen::Ref<const Series>& b) {
   const Series x = a.array() - a.mean(), y = b.array() - b.mean();
   return x.dot(y) / std::max(x.norm() * y.norm(), 1e-300);
+}
+
+/// Normal equations of a step of the clock, in seconds at the middle of the recording and at its end beside that.
+struct Step {
+  Eigen::Matrix2d G = Eigen::Matrix2d::Zero();
+  Eigen::Vector2d g = Eigen::Vector2d::Zero();
+
+  [[nodiscard]] Eigen::Vector2d solve() const { return G.ldlt().solve(g).cwiseMax(-0.1).cwiseMin(0.1); }
+};
+
+/// Of each part of the recording, beside one linear map of the log; nothing where they hardly overlap.
+std::vector<Step> steps_of_parts(const Course& log, const Course& slope, const Course& recording,
+                                 const Clocks& clocks) {
+  const Series3 y = at_rows_of(recording, log, clocks), d = at_rows_of(recording, slope, clocks);
+  const Eigen::Index n = recording.x.rows();
+  Eigen::MatrixXd map(n, 4);
+  map << Series::Ones(n), y;
+  std::vector<Eigen::Index> inside;
+  for (Eigen::Index i = 0; i < n; ++i)
+    if (const double at = clocks.at(recording.rows.at(i)); at > 0.5 && at < log.end_s() - 0.5) inside.push_back(i);
+  if (inside.size() < 50) return {};
+  const Eigen::MatrixXd used = map(inside, Eigen::all);
+  const Eigen::MatrixXd A = used.colPivHouseholderQr().solve(Eigen::MatrixXd(recording.x(inside, Eigen::all)));
+  const Series3 left = recording.x - map * A;
+  const Series3 turned = d * A.bottomRows(3);
+  std::vector<Step> out(kParts);
+  for (std::size_t k = 0; k < inside.size(); ++k) {
+    const Eigen::Index i = inside[k];
+    const Eigen::Vector2d u(1.0, (recording.rows.at(i) - clocks.middle_s) / std::max(clocks.middle_s, 1e-9));
+    Step& part = out[k * kParts / inside.size()];
+    part.G += u * u.transpose() * turned.row(i).squaredNorm();
+    part.g += u * turned.row(i).dot(left.row(i));
+  }
+  return out;
+}
+
+/// The sum of them without one; with all where that is none of them.
+Step without(const std::vector<Step>& parts, std::size_t part) {
+  Step out;
+  for (std::size_t i = 0; i < parts.size(); ++i)
+    if (i != part) out.G += parts[i].G, out.g += parts[i].g;
+  return out;
+}
+
+/// Jackknife: what leaving out each part moves.
+Eigen::Vector2d deviations(const std::vector<Step>& parts) {
+  Eigen::MatrixX2d left_out(static_cast<Eigen::Index>(parts.size()), 2);
+  for (std::size_t i = 0; i < parts.size(); ++i)
+    left_out.row(static_cast<Eigen::Index>(i)) = without(parts, i).solve().transpose();
+  const Eigen::MatrixX2d off = left_out.rowwise() - left_out.colwise().mean();
+  const auto n = static_cast<double>(parts.size());
+  return ((n - 1.0) / n * off.colwise().squaredNorm()).cwiseSqrt().transpose();
 }
 
 }  // namespace
@@ -49,42 +104,42 @@ Clocks coarse_clocks(const Course& log, const Course& recording) {
 
 Series3 at_rows_of(const Course& recording, const Course& log, const Clocks& clocks) {
   Series at(recording.x.rows());
-  for (Eigen::Index i = 0; i < at.size(); ++i) at[i] = clocks.offset_s + (1.0 + clocks.drift) * recording.rows.at(i);
+  for (Eigen::Index i = 0; i < at.size(); ++i) at[i] = clocks.at(recording.rows.at(i));
   return at_times(log.x, log.rows, at, kReach);
 }
 
 void refine_clocks(const Course& log, const Course& recording, Clocks& clocks) {
   constexpr int kRounds = 8;
   const Course slope{derivative(log.x, log.rows), log.rows};
-  const Eigen::Index n = recording.x.rows();
+  clocks.middle_s = 0.5 * recording.end_s();
   for (int round = 0; round < kRounds; ++round) {
-    const Series3 y = at_rows_of(recording, log, clocks), d = at_rows_of(recording, slope, clocks);
-    Eigen::MatrixXd map(n, 4);
-    map << Series::Ones(n), y;
-    std::vector<Eigen::Index> inside;
-    for (Eigen::Index i = 0; i < n; ++i) {
-      const double at = clocks.offset_s + (1.0 + clocks.drift) * recording.rows.at(i);
-      if (at > 0.5 && at < log.end_s() - 0.5) inside.push_back(i);
-    }
-    if (inside.size() < 50) return;
-    const Eigen::MatrixXd used = map(inside, Eigen::all);
-    const Eigen::MatrixXd A = used.colPivHouseholderQr().solve(Eigen::MatrixXd(recording.x(inside, Eigen::all)));
-    const Series3 left = recording.x - map * A;
-    const Series3 turned = d * A.bottomRows(3);
-    Eigen::Matrix2d G = Eigen::Matrix2d::Zero();
-    Eigen::Vector2d g = Eigen::Vector2d::Zero();
-    const double middle = 0.5 * recording.end_s();
-    for (const Eigen::Index i : inside) {
-      const Eigen::Vector2d u(1.0, (recording.rows.at(i) - middle) / std::max(middle, 1e-9));
-      G += u * u.transpose() * turned.row(i).squaredNorm();
-      g += u * turned.row(i).dot(left.row(i));
-    }
-    const Eigen::Vector2d step = G.ldlt().solve(g).cwiseMax(-0.1).cwiseMin(0.1);
-    const double drift = step[1] / std::max(middle, 1e-9);
-    clocks.offset_s += step[0] - drift * middle;
+    const std::vector<Step> parts = steps_of_parts(log, slope, recording, clocks);
+    if (parts.empty()) return;
+    const Eigen::Vector2d step = without(parts, parts.size()).solve();
+    const double drift = step[1] / std::max(clocks.middle_s, 1e-9);
+    clocks.offset_s += step[0] - drift * clocks.middle_s;
     clocks.drift += drift;
+    const Eigen::Vector2d sd = deviations(parts);
+    clocks.middle_sd_s = sd[0], clocks.drift_sd = sd[1] / std::max(clocks.middle_s, 1e-9);
     if (step.cwiseAbs().maxCoeff() < 1e-7) return;
   }
+}
+
+Clocks clocks_of_reference(const Course& log, const Course& reference, const Clocks& by_readings) {
+  Clocks seen = by_readings;
+  seen.middle_sd_s = seen.drift_sd = 1.0;
+  refine_clocks(log, reference, seen);
+  // The better known of the two, but the reference's where they surely differ.
+  const auto better = [](double by_reference, double its_sd, double by_reading, double sd) {
+    const bool apart = std::abs(by_reference - by_reading) > kSurely * std::hypot(its_sd, sd);
+    return apart || its_sd < sd ? by_reference : by_reading;
+  };
+  const double middle = by_readings.middle_s;
+  const double at_middle = better(seen.at(middle), seen.middle_sd_s, by_readings.at(middle), by_readings.middle_sd_s);
+  Clocks out = by_readings;
+  out.drift = better(seen.drift, seen.drift_sd, by_readings.drift, by_readings.drift_sd);
+  out.offset_s = at_middle - (1.0 + out.drift) * middle;
+  return out;
 }
 
 }  // namespace stillpoint::diag

@@ -9,6 +9,11 @@ struct Clocks {
   double offset_s = 0.0, drift = 0.0;
   double correlation = 0.0;  ///< of the norms, where they overlap
   double overlap_s = 0.0;
+  double middle_s = 0.0;  ///< of the recording
+  /// Standard deviations by leaving out each tenth of the recording: of the time at its middle, and of the drift.
+  double middle_sd_s = 1.0, drift_sd = 1.0;
+
+  [[nodiscard]] double at(double recording_s) const { return offset_s + (1.0 + drift) * recording_s; }
 };
 
 struct Course {
@@ -23,6 +28,10 @@ struct Course {
 
 /// Fine: by least squares on the log's rate of change, beside a linear map of the log.
 void refine_clocks(const Course& log, const Course& recording, Clocks& clocks);
+
+/// Fine, by how a reference turns; what it cannot tell from the clocks found by the readings is left at those. Where
+/// the sensors are late, or their clock runs, this is the clock of the motion.
+[[nodiscard]] Clocks clocks_of_reference(const Course& log, const Course& reference, const Clocks& by_readings);
 
 /// The log at the times of the recording's rows; the end values beyond its ends.
 [[nodiscard]] Series3 at_rows_of(const Course& recording, const Course& log, const Clocks& clocks);

@@ -1,13 +1,33 @@
 #include "diagnosis/foreign/foreign.h"
 
+#include <Eigen/Cholesky>
+#include <cmath>
+
 #include "diagnosis/reference/given_effects.h"
 #include "diagnosis/reference/with_reference.h"
-#include "diagnosis/sanity/readings.h"
+#include "diagnosis/sanity/rows_with_reference.h"
+#include "diagnosis/sanity/sensor_rows.h"
 
 namespace stillpoint::diag {
 namespace {
 
-/// A simulation that changes nothing: what the log says is what the sensor should read. The noise is the recording's.
+/// The world's field in what the log says its magnetometer reads, beside an offset of the body.
+Vec3 field_of(const AlignedLog& log) {
+  Eigen::Matrix<double, 6, 6> G = Eigen::Matrix<double, 6, 6>::Identity() * 1e-6;
+  Eigen::Matrix<double, 6, 1> g = Eigen::Matrix<double, 6, 1>::Zero();
+  for (std::size_t i = 0; i < log.reference.size(); ++i) {
+    const Eigen::Vector4d& q = log.reference.ref_q_world_body[i];
+    const Vec3 reads = log.reading[kMag].row(static_cast<Eigen::Index>(i));
+    if (!q.allFinite() || !reads.allFinite() || log.outside[i]) continue;
+    Eigen::Matrix<double, 3, 6> row;
+    row << Quat(q[0], q[1], q[2], q[3]).normalized().conjugate().toRotationMatrix(), Mat3::Identity();
+    G += row.transpose() * row;
+    g += row.transpose() * reads;
+  }
+  return G.ldlt().solve(g).head<3>();
+}
+
+/// A simulation that changes nothing: what the log says is what the sensor should read. The noise is that of both.
 sim::SimulationConfig nothing_added(const AlignedLog& log, const io::Recording& recording) {
   sim::SimulationConfig out;
   const double step_s = recording.median_step_s();
@@ -18,15 +38,9 @@ sim::SimulationConfig nothing_added(const AlignedLog& log, const io::Recording& 
                                                                       &out.magnetometer};
   for (std::size_t k = 0; k < kSensors; ++k)
     if (!columns[k]->empty() && log.reading[k].rows() > 0)
-      *triads[k] = sim::TriadConfig{.noise_sd = quiet_noise(filled3(*columns[k]), step_s)};
-  if (log.reading[kMag].rows() == 0) return out;
-  Vec3 field = Vec3::Zero();
-  for (std::size_t i = 0; i < recording.size(); ++i) {
-    const Eigen::Vector4d& q = log.reference.ref_q_world_body[i];
-    if (q.allFinite())
-      field += Quat(q[0], q[1], q[2], q[3]) * Vec3(log.reading[kMag].row(static_cast<Eigen::Index>(i)));
-  }
-  out.field_world_uT = field / static_cast<double>(recording.size());
+      *triads[k] = sim::TriadConfig{
+          .noise_sd = std::hypot(quiet_noise(filled3(*columns[k]), step_s), quiet_noise(log.reading[k], step_s))};
+  if (log.reading[kMag].rows() > 0) out.field_world_uT = field_of(log);
   return out;
 }
 
@@ -57,8 +71,10 @@ io::Recording improved_log(const AlignedLog& log, const Signals& before, const A
 Result<LogAnswer> diagnose_log(const io::Recording& log, const io::Recording& given,
                                const std::vector<std::string>& without, const std::function<void(double)>& progress) {
   std::vector<std::string> notices;
-  const auto clean = without_false_values(given, notices);
-  const io::Recording& recording = clean ? *clean : given;
+  const auto on_rows = readings_on_rows(given, notices);
+  RowsWithReference with_frames;
+  if (!given.ref_q_world_body.empty()) with_frames = rows_with_reference(on_rows ? *on_rows : given, notices);
+  const io::Recording& recording = with_frames.changed ? *with_frames.changed : on_rows ? *on_rows : given;
   auto aligned = align(log, recording);
   if (!aligned) return tl::unexpected(aligned.error());
   LogAnswer out;
@@ -69,9 +85,9 @@ Result<LogAnswer> diagnose_log(const io::Recording& log, const io::Recording& gi
     told.insert(told.end(), list.begin(), list.end());
   };
   tell(notices), tell(aligned->notices), tell(forensics.notices);
-  out.answer = diagnose_with_reference({aligned->reference, 1, &*aligned}, simulation, forensics, without, 0, progress,
-                                       std::move(out.answer));
-  const Result<Signals> signals = make_signals(aligned->reference, simulation, {}, &*aligned);
+  out.answer = diagnose_with_reference({aligned->reference, with_frames.rows_a_frame, &*aligned}, simulation, forensics,
+                                       without, 0, progress, std::move(out.answer));
+  const Result<Signals> signals = make_signals(aligned->reference, simulation, {}, &*aligned, with_frames.rows_a_frame);
   if (!signals) return tl::unexpected(signals.error());
   out.improved = improved_log(*aligned, *signals, out.answer);
   return out;

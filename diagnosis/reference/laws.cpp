@@ -176,7 +176,7 @@ class LawList {
 
   void accelerometer() {
     const Signals& s = s_;
-    if (!s.exact_reference) {  // a camera's world is levelled by hand
+    if (!s.exact_reference && !s.from_log) {  // a camera's world is levelled by hand
       set_up(add(
           "vertical_world",
           [&s](double) {
@@ -262,7 +262,7 @@ class LawList {
 
   void smoothed_reference() {
     const Signals& s = s_;
-    if (s.exact_reference) return;
+    if (s.exact_reference || s.from_log) return;
     Law& smoothed = set_up(add(
         kSmoothedReference, [&s, k = sensor_](double places) { return smoothing_columns(s, k, places > 0.0); },
         {"half_square"}, "s^2", "delta = s^2/2 omega' x true", "angular acceleration"));

@@ -111,7 +111,7 @@ void hold_what_keeps_still(Signals& s) {
 
 /// Which signal stands for the true vector: a noiseless reference; else the sensor itself, which is quieter than a
 /// differentiated camera, in the band where things move.
-void choose_vectors(Signals& s, const Mask& lost) {
+void choose_vectors(Signals& s, const Mask& lost, bool turns_known) {
   const double highest = std::min(kMotionBand_Hz, 0.2 / s.dt_s);
   const auto band_of = [&](const Series3& x) {
     return motion_band_hz(x, s.rest, s.dt_s, kMotionOverNoise, 1.5, highest);
@@ -133,13 +133,13 @@ void choose_vectors(Signals& s, const Mask& lost) {
   for (int k = 0; k < kSensors; ++k) {
     const bool predicted = !vector_is_reading(s, static_cast<Sensor>(k));
     s.vector[k] = predicted ? s.predicted[k] : s.reading[k];
-    if (s.exact_reference || (k == kMag && !s.from_log)) continue;
+    if (s.exact_reference || (k == kMag && turns_known)) continue;
     const double band_hz = band_of(s.vector[k]);
     if (!predicted) s.band_hz[static_cast<std::size_t>(k)] = band_hz;
     s.vector[k] = limited_to(band_hz, s.vector[k]);
   }
   if (!s.exact_reference) hold_at_rest(s, lost);
-  if (!s.exact_reference && !s.from_log) {
+  if (!s.exact_reference && turns_known) {
     // Of the same turns as the world's axes: where the two differ by their noise only, a field of the world that is
     // nothing but that noise would be fitted to it.
     s.vector[kMag].setZero();
@@ -227,7 +227,7 @@ Result<Signals> make_signals(const io::Recording& recording, const sim::Simulati
          ++i)  // without a position, only rest says what the accelerometer should read
       if (!s.rest[i]) s.muted[k][i] = 1;
   }
-  choose_vectors(s, lost);
+  choose_vectors(s, lost, log == nullptr || !log->summed_up);
   return s;
 }
 

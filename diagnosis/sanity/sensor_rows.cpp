@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "diagnosis/sanity/frames.h"
+#include "diagnosis/sanity/readings.h"
 #include "diagnosis/sanity/rows.h"
 
 namespace stillpoint::diag {
@@ -112,6 +113,13 @@ std::optional<io::Recording> with_field_on_rows(const io::Recording& r, std::vec
                   fast ? "interpolated to those rows"
                        : fmt::format("{:.4g} a second beside {:.4g}, too few to be interpolated: they are not compared",
                                      field.rate_hz(), rows_hz)));
+  return out;
+}
+
+std::optional<io::Recording> readings_on_rows(const io::Recording& recording, std::vector<std::string>& notices) {
+  std::optional<io::Recording> out;
+  for (const auto step : {without_false_values, with_inertial_on_rows, with_field_on_rows})
+    if (auto changed = step(out ? *out : recording, notices)) out = std::move(changed);
   return out;
 }
 

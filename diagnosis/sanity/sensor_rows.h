@@ -20,4 +20,9 @@ namespace stillpoint::diag {
 [[nodiscard]] std::optional<io::Recording> with_field_on_rows(const io::Recording& recording,
                                                               std::vector<std::string>& notices);
 
+/// All of that: without single values that cannot be measurements (readings.h), each sensor on the rows of the slower
+/// inertial one. None where nothing had to change.
+[[nodiscard]] std::optional<io::Recording> readings_on_rows(const io::Recording& recording,
+                                                            std::vector<std::string>& notices);
+
 }  // namespace stillpoint::diag

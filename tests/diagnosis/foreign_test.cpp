@@ -3,6 +3,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <random>
+
 #include "diagnosis/foreign/foreign.h"
 #include "tests/diagnosis/simulated.h"
 
@@ -32,6 +34,12 @@ io::Recording ours(const std::string& id, const test::Parameters& parameters) {
   return test::record(scene(), id, parameters, kSeed);
 }
 
+io::Recording beside_a_reference(const std::string& id, const test::Parameters& parameters) {
+  sim::SimulationConfig s = scene();
+  s.reference.kind = "exact";
+  return test::record(s, id, parameters, kSeed);
+}
+
 void keep_from(io::Recording& r, std::size_t first) {
   const auto cut = [first](auto& column) {
     if (!column.empty()) column.erase(column.begin(), column.begin() + static_cast<std::ptrdiff_t>(first));
@@ -51,10 +59,46 @@ TEST(ForeignLog, GivesTheSameNameAsOurOwnSimulation) {
   EXPECT_THAT(test::names(found->answer), testing::Contains("gyr_gsens")) << found->answer.diagnosis.summary;
 }
 
+/// The recording's reference keeps the time of the motion: a late gyroscope is not two sensors that are early.
+TEST(ForeignLog, TakesItsTimeFromTheReferenceWhereTheGyroscopeIsLate) {
+  const auto found = diagnose_log(their_log(), beside_a_reference("gyr_delay", {{"tau_s", {0.012}}}));
+  ASSERT_TRUE(found) << found.error().message;
+  EXPECT_THAT(test::names(found->answer), testing::ElementsAre("gyr_delay")) << found->answer.diagnosis.summary;
+}
+
+TEST(ForeignLog, TakesItsTimeFromTheReferenceWhereTheSensorsClockRuns) {
+  const auto found = diagnose_log(their_log(), beside_a_reference("sys_skew", {{"eps_ppm", {400}}}));
+  ASSERT_TRUE(found) << found.error().message;
+  EXPECT_THAT(test::names(found->answer), testing::ElementsAre("sys_skew")) << found->answer.diagnosis.summary;
+}
+
 TEST(ForeignLog, WithNothingMissingIsNoMismatch) {
   const auto found = diagnose_log(their_log(), ours("", {}));
   ASSERT_TRUE(found) << found.error().message;
   EXPECT_THAT(test::names(found->answer), testing::IsEmpty()) << found->answer.diagnosis.summary;
+}
+
+/// A log brings noise of its own, and so do the columns that are fitted to it: beside a reference without noise they
+/// would be a field of the world that is nothing but this noise.
+TEST(ForeignLog, AsNoisyAsTheRecordingIsNoMismatch) {
+  const auto found = diagnose_log(their_log(1.0), beside_a_reference("", {}));
+  ASSERT_TRUE(found) << found.error().message;
+  const Diagnosis& d = found->answer.diagnosis;
+  EXPECT_THAT(test::names(found->answer), testing::IsEmpty()) << d.summary;
+  EXPECT_TRUE(d.configuration.empty()) << d.configuration.front().sensor << ": " << d.configuration.front().what;
+  EXPECT_TRUE(d.noise.empty()) << d.summary;
+}
+
+TEST(ForeignLog, BesideAReferenceOfSlowerFramesComparesEveryRow) {
+  io::Recording recording =
+      beside_a_reference("mag_soft_step", {{"t0_s", {35}}, {"M", {0.04, 0, 0, 0, -0.03, 0, 0, 0, 0.02}}});
+  for (std::size_t i = 1; i < recording.size(); i += 2) {
+    recording.ref_q_world_body[i].setConstant(io::kMissing);
+    recording.ref_position_m[i].setConstant(io::kMissing);
+  }
+  const auto found = diagnose_log(their_log(), recording);
+  ASSERT_TRUE(found) << found.error().message;
+  EXPECT_THAT(test::names(found->answer), testing::Contains("mag_soft_step")) << found->answer.diagnosis.summary;
 }
 
 TEST(ForeignLog, ClockIsFoundThoughTheLogBeginsLater) {
@@ -103,6 +147,39 @@ TEST(ForeignLog, ThatPartsFromTheRecordingIsRefusedWithTheTime) {
   EXPECT_TRUE(why.find("at 38") != std::string::npos || why.find("at 40") != std::string::npos ||
               why.find("at 42") != std::string::npos)
       << why;
+}
+
+/// Rows from one second on at rest: the rate is noise.
+void rest_from(io::Recording& r, double from_s, double noise) {
+  std::mt19937_64 random(kSeed);
+  std::normal_distribution<double> normal(0.0, noise);
+  for (std::size_t i = 0; i < r.size(); ++i)
+    if (r.t_s(i) - r.t_s(0) > from_s) r.gyr_radps[i] = {normal(random), normal(random), normal(random)};
+}
+
+TEST(ForeignLog, ThatRestsWhereTheRecordingRestsIsTheSameMotion) {
+  io::Recording log = their_log(), recording = ours("", {});
+  rest_from(log, 25.0, 1e-5), rest_from(recording, 25.0, 1e-3);
+  const auto aligned = align(log, recording);
+  EXPECT_TRUE(aligned) << aligned.error().message;
+}
+
+TEST(ForeignLog, AboutOneAxisOnlyIsOfTheSameAxesAndUnit) {
+  io::Recording log = their_log(), recording = ours("", {});
+  std::normal_distribution<double> normal(0.0, 1e-3);
+  std::mt19937_64 random(kSeed);
+  for (io::Recording* r : {&log, &recording})
+    for (Vec3& w : r->gyr_radps) w.head<2>() = Eigen::Vector2d(normal(random), 3.0 * normal(random));
+  const auto aligned = align(log, recording);
+  EXPECT_TRUE(aligned) << aligned.error().message;
+}
+
+TEST(ForeignLog, ThatMovesWhereTheRecordingRestsIsRefusedWithTheTime) {
+  io::Recording recording = ours("", {});
+  rest_from(recording, 52.0, 1e-3);
+  const auto aligned = align(their_log(), recording);
+  ASSERT_FALSE(aligned);
+  EXPECT_THAT(aligned.error().message, testing::HasSubstr("part at 5"));
 }
 
 TEST(ForeignLog, ThatIsNoisierThanTheRecordingIsTold) {
