@@ -79,6 +79,7 @@ void finish_source(SourceConfig& source, const YAML::Node& root, const std::stri
   const YAML::Node node = root["source"];
   source.place = name;
   if (!node || !node.IsMap()) return;
+  if (node["mount"] && node.size() == 1) return;  // all that reading a recording asks; the daemon asks for a source
   if (!node["kind"]) faults.add(node, "'kind' is missing here: recording, simulation, stream, ros2 or iio");
   if (source.kind == SourceKind::kStream) check_stream(source.stream, node, faults);
   if (source.kind == SourceKind::kRos2) check_ros2(source.ros2, node, faults);

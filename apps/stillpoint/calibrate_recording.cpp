@@ -23,10 +23,13 @@
 #include "calib_online/rest_detector.h"
 #include "io/calibration_state.h"
 #include "io/config.h"
+#include "io/mounted_recording.h"
 #include "io/quote.h"
 #include "io/recording.h"
 #include "io/state_file.h"
 #include "io/text_file.h"
+#include "pipeline/assemble_stage.h"
+#include "pipeline/guard_stage.h"
 
 namespace stillpoint::app {
 namespace {
@@ -89,15 +92,22 @@ CalibrationRun calibrate(const io::Recording& recording, calib::OnlineCalibrator
   run.factory = calibrator.factory();
   calib::RestDetector detector(params);
   calib::FieldTurnFinder turns;
+  const pipeline::GuardParams usual;
+  pipeline::GuardStage guard(usual);
+  pipeline::AssembleStage assemble(usual.late_s, calibrator.snapshot().gyr);  // sensors may have rows of their own
   Progress progress("calibrating");
   for (std::size_t row = 0; row < recording.size(); ++row) {
     if (row % 4096 == 0) progress.at(static_cast<double>(row) / static_cast<double>(recording.size()));
-    const RawSample sample = recording.sample(row);
-    const auto window = detector.push(sample, calibrator.snapshot());
+    pipeline::GuardedSample as_read, joined;
+    if (guard.process(recording.sample(row), as_read) == pipeline::StageStatus::kDrop) continue;
+    assemble.use(calibrator.snapshot().gyr);
+    if (assemble.process(as_read, joined) == pipeline::StageStatus::kDrop) continue;
+    const auto window = detector.push(joined.sample, calibrator.snapshot());
     const auto note_if = [&](bool changed) {
       if (changed) run.course.push_back({recording.t_s(row) - recording.t_s(0), calibrator.snapshot()});
     };
-    if (const auto turn = turns.push(sample, 0, calibrator.snapshot())) note_if(calibrator.absorb(*turn));
+    if (const auto turn = turns.push(joined.sample, joined.clipped, calibrator.snapshot(), joined.mag_turn_rad))
+      note_if(calibrator.absorb(*turn));
     const double step_s = row > 0 ? recording.t_s(row) - recording.t_s(row - 1) : 0.0;
     run.refused_s[std::string(calib::name(detector.last_refusal()))] += step_s;
     if (!window) continue;
@@ -185,7 +195,7 @@ std::optional<double> local_gravity_mps2(const io::Recording& recording, const s
 }  // namespace
 
 int calibrate_recording(const std::string& path, const std::string& json, const RecordingOptions& options) {
-  const auto recording = io::read_recording(path);
+  auto recording = io::read_recording(path);
   if (!recording) return report(recording.error());
   if (recording->acc_mps2.empty() || recording->acc_in_counts || recording->gyr_in_counts)
     return report(
@@ -198,6 +208,7 @@ int calibrate_recording(const std::string& path, const std::string& json, const 
     if (!read) return report(read.error());
     config = std::move(*read);
   }
+  if (config.source.mount) io::mount_sensors(*recording, *config.source.mount);
   calib::OnlineCalibratorParams params = config.calibration.online;
   const auto gravity_mps2 = options.gravity_mps2   ? options.gravity_mps2
                             : options.latitude_deg ? std::optional(gravity_at(*options.latitude_deg))

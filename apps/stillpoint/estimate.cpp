@@ -153,7 +153,7 @@ int run_estimate(Arguments& a) {
 void add_estimate(CLI::App& app, Run& run) {
   auto* command = app.add_subcommand("estimate", "The daemon's stages over recordings: attitude at every sample");
   static Arguments a;
-  add_file(*command, "--config", a.config, "the daemon's configuration; its source is not used")->required();
+  add_file(*command, "--config", a.config, "the daemon's configuration; of its source the mount alone")->required();
   command->add_option("--recording", a.recordings, "recordings (.csv)")->type_name(kFileType)->required();
   add_file(*command, "--output", a.output, "attitude (.csv), - is standard output; for several recordings a folder")
       ->required();

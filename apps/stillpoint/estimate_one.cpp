@@ -11,6 +11,7 @@
 #include "core/so3.h"
 #include "core/units.h"
 #include "io/calibration_state.h"
+#include "io/mounted_recording.h"
 #include "io/plausibility_text.h"
 #include "io/state_file.h"
 #include "pipeline/smooth.h"
@@ -113,9 +114,10 @@ nlohmann::json triad_json(const TriadCalibration& c) {
 }  // namespace
 
 Result<Estimated> estimate_one(const EstimateRequest& request, const io::DaemonConfig& config) {
-  const auto recording = io::read_recording(
-      request.recording, request.skip_malformed ? io::OnMalformedRow::kCount : io::OnMalformedRow::kFail);
+  auto recording = io::read_recording(request.recording,
+                                      request.skip_malformed ? io::OnMalformedRow::kCount : io::OnMalformedRow::kFail);
   if (!recording) return tl::unexpected(recording.error());
+  if (config.source.mount) io::mount_sensors(*recording, *config.source.mount);
   for (const Finding& odd : warn_if_implausible(*recording, request.recording))
     if (is_too_slow(odd)) return fail(ErrorKind::kBadData, request.recording + ": no attitude: " + io::describe(odd));
   calib::OnlineCalibrator calibrator(config.calibration.online, io::factory_calibration(config.sensor));
