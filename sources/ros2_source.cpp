@@ -82,6 +82,8 @@ struct Ros2Source::Impl {
     counts.link = link;
     counts.malformed = inbox.malformed.load(std::memory_order_relaxed);
     counts.lost = inbox.lost.load(std::memory_order_relaxed);
+    counts.began_anew = stamps.began_anew();
+    counts.away_ns = stamps.away_ns();
     report->store(counts);
     told_ns = monotonic_ns();
   }

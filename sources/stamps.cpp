@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace stillpoint::sources {
 namespace {
@@ -12,6 +13,11 @@ constexpr double kTimeConstant_ns = 1e9;
 /// Later than this, and by more than a few periods, nothing came for a while: the phase is taken anew.
 constexpr double kPause_ns = 0.25e9;
 constexpr double kPausePeriods = 4.0;
+/// Sensors in rows of their own come late by no more: a time that lies further behind is of a clock that was set.
+constexpr double kLatest_ns = 0.5e9;
+/// A sender that began anew was away for longer, and longer than a few usual arrivals.
+constexpr double kAway_ns = 0.1e9;
+constexpr double kAwayArrivals = 4.0;
 constexpr double kCounts32 = 4294967296.0;
 constexpr std::int64_t kFurthest_ns = 4'000'000'000'000'000'000;  // 126 years: the difference of two still fits
 
@@ -55,6 +61,7 @@ bool ArrivalClock::stamp(std::int64_t arrival_ns, std::uint64_t steps, std::int6
 void Stamps::restart() noexcept {
   restarted_ = true;
   device_time_ = false;
+  suspect_.reset();
   for (ArrivalClock& clock : clocks_) clock.restart();
 }
 
@@ -69,6 +76,32 @@ std::int64_t Stamps::unwrapped(const Reading& reading) noexcept {
   return t_ns + static_cast<std::int64_t>(wrap_ns);
 }
 
+void Stamps::follow(std::int64_t sender_ns, std::int64_t due_ns, std::int64_t& t_ns) noexcept {
+  const std::int64_t offset_ns = due_ns - sender_ns;
+  if (std::abs(offset_ns) >= kFurthest_ns) return;
+  t_ns += offset_ns - offset_ns_;
+  offset_ns_ = offset_ns;
+}
+
+/// A time that lies behind is the pipeline's affair while readings come (a clock was set, and no time is missing).
+/// After a pause it is a sender that began anew, and only arrivals tell how long that took; the second such reading
+/// proves it. True: wait for that one. A replay that is faster than real time has no such pauses.
+bool Stamps::suspects(std::int64_t sender_ns, std::int64_t& t_ns, std::int64_t arrival_ns) noexcept {
+  const auto suspect = std::exchange(suspect_, std::nullopt);
+  if (static_cast<double>(last_ns_) - static_cast<double>(t_ns) <= kLatest_ns) return false;
+  if (suspect) {
+    if (std::abs(static_cast<double>(sender_ns - suspect->sender_ns)) > kLatest_ns) return false;
+    follow(suspect->sender_ns, last_ns_ + suspect->away_ns, t_ns);
+    away_ns_ = suspect->away_ns;
+    ++began_anew_;
+    return false;
+  }
+  const std::int64_t away_ns = arrival_ns - last_arrival_ns_;
+  if (static_cast<double>(away_ns) <= std::max(kAway_ns, kAwayArrivals * arrivals_.ns())) return false;
+  suspect_ = {sender_ns, away_ns};
+  return true;
+}
+
 bool Stamps::stamp(Reading& reading, std::int64_t arrival_ns, std::uint64_t steps) noexcept {
   RawSample& sample = reading.sample;
   if (!reading.has_time) {
@@ -77,14 +110,12 @@ bool Stamps::stamp(Reading& reading, std::int64_t arrival_ns, std::uint64_t step
   }
   if (std::abs(sample.t_ns) > kFurthest_ns) return false;
   std::int64_t t_ns = ever_ ? unwrapped(reading) : sample.t_ns;
-  if (ever_ && restarted_ && t_ns <= last_ns_) {
-    const std::int64_t due_ns = last_ns_ + std::max<std::int64_t>(1, arrival_ns - last_arrival_ns_);
-    if (const std::int64_t offset_ns = due_ns - sample.t_ns; std::abs(offset_ns) < kFurthest_ns) {
-      offset_ns_ = offset_ns;
-      t_ns = due_ns;
-    }
-  }
+  if (ever_ && restarted_ && t_ns <= last_ns_)
+    follow(sample.t_ns, last_ns_ + std::max<std::int64_t>(1, arrival_ns - last_arrival_ns_), t_ns);
+  else if (ever_ && !restarted_ && suspects(sample.t_ns, t_ns, arrival_ns))
+    return false;
   if (std::abs(t_ns) > kFurthest_ns) return false;  // a sum beyond it: the next one would not fit
+  if (ever_ && arrival_ns > last_arrival_ns_) arrivals_.learn(arrival_ns - last_arrival_ns_);
   restarted_ = false;
   device_time_ = ever_ = true;
   sample.t_ns = last_ns_ = t_ns;

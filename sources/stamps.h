@@ -2,7 +2,9 @@
 #pragma once
 #include <array>
 #include <cstdint>
+#include <optional>
 
+#include "pipeline/sensor_clock.h"
 #include "sources/reading.h"
 
 namespace stillpoint::sources {
@@ -40,11 +42,25 @@ class Stamps {
   /// The stream was cut. A sender that began to count anew is followed as if it had gone on.
   void restart() noexcept;
 
+  /// How often a sender began anew on a stream that was not cut, and for how long nothing had come the last time.
+  [[nodiscard]] std::uint64_t began_anew() const noexcept { return began_anew_; }
+  [[nodiscard]] std::int64_t away_ns() const noexcept { return away_ns_; }
+
  private:
+  struct Suspect {
+    std::int64_t sender_ns = 0, away_ns = 0;
+  };
+
   [[nodiscard]] std::int64_t unwrapped(const Reading& reading) noexcept;
+  [[nodiscard]] bool suspects(std::int64_t sender_ns, std::int64_t& t_ns, std::int64_t arrival_ns) noexcept;
+  void follow(std::int64_t sender_ns, std::int64_t due_ns, std::int64_t& t_ns) noexcept;
 
   std::array<ArrivalClock, 16> clocks_;  ///< by the parts held: sensors that come one by one have rates of their own
   std::int64_t offset_ns_ = 0, last_ns_ = 0, last_arrival_ns_ = 0;
+  pipeline::UsualStep arrivals_;    ///< of readings that did not come at once
+  std::optional<Suspect> suspect_;  ///< the last reading, which may be the first of a sender that began anew
+  std::uint64_t began_anew_ = 0;
+  std::int64_t away_ns_ = 0;
   bool device_time_ = false;  ///< since the start or the last cut
   bool ever_ = false, restarted_ = false;
 };

@@ -104,6 +104,8 @@ void StreamSource::tell(LinkState link) noexcept {
   counts_.ignored = split.ignored;
   counts_.skipped_bytes = split.skipped_bytes;
   counts_.lost = split.lost;
+  counts_.began_anew = stamps_.began_anew();
+  counts_.away_ns = stamps_.away_ns();
   counts_.refused = ShortText(splitter_->last_refused());
   counts_.unknown_names = ShortText(splitter_->unknown_names());
   report_->store(counts_);

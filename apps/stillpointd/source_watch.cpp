@@ -26,6 +26,14 @@ void SourceWatch::tell_link(const SourceReport& now, std::vector<std::string>& l
   lines.push_back(fmt::format("source: {}; it is tried again", io::printable(told_failure_)));
 }
 
+void SourceWatch::tell_clock(const SourceReport& now, std::vector<std::string>& lines) {
+  if (now.began_anew == told_.began_anew) return;
+  lines.push_back(
+      fmt::format("source: the sender's stamps began anew after {:.2f} s without a reading ({} so far); how long that "
+                  "took is known by arrival alone",
+                  1e-9 * static_cast<double>(now.away_ns), now.began_anew));
+}
+
 void SourceWatch::tell_damage(const SourceReport& now, std::vector<std::string>& lines) {
   if (now.malformed >= tell_malformed_at_) {
     lines.push_back(fmt::format("source: {} damaged lines or frames so far, {} lost by the sender's count, the last {}",
@@ -73,6 +81,7 @@ std::vector<std::string> SourceWatch::news(std::span<const Finding> findings) {
   std::vector<std::string> lines;
   if (const auto now = report_ != nullptr ? report_->try_load() : std::nullopt) {
     tell_link(*now, lines);
+    tell_clock(*now, lines);
     tell_damage(*now, lines);
     tell_noise(*now, lines);
     told_ = *now;

@@ -24,6 +24,7 @@ class SourceWatch {
 
  private:
   void tell_link(const sources::SourceReport& now, std::vector<std::string>& lines);
+  void tell_clock(const sources::SourceReport& now, std::vector<std::string>& lines);
   void tell_damage(const sources::SourceReport& now, std::vector<std::string>& lines);
   void tell_noise(const sources::SourceReport& now, std::vector<std::string>& lines);
 

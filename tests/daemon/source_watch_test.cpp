@@ -45,5 +45,16 @@ TEST_F(SourceWatchTest, TellsAnErrorThatWasReadBeforeItsFailureWasCounted) {
   EXPECT_THAT(news_of(LinkState::kGone, 1, "pulled"), ElementsAre("source: pulled; it is tried again"));
 }
 
+TEST_F(SourceWatchTest, TellsEachTimeThatASenderBeganAnew) {
+  sources::SourceReport now;
+  report_->store(now);
+  EXPECT_THAT(watch_.news({}), IsEmpty());
+  now.began_anew = 1;
+  now.away_ns = 3'000'000'000;
+  report_->store(now);
+  EXPECT_THAT(watch_.news({}), ElementsAre(testing::HasSubstr("began anew after 3.00 s without a reading (1 so far)")));
+  EXPECT_THAT(watch_.news({}), IsEmpty());
+}
+
 }  // namespace
 }  // namespace stillpoint::app

@@ -124,6 +124,70 @@ TEST(Stamps, ASenderThatBeganAnewGoesOnWhereItWouldBe) {
   EXPECT_EQ(r.sample.t_ns, 62'010'000'000);
 }
 
+/// 100 readings a second, the last of them stamped 20 s.
+struct Stream {
+  Stamps stamps{0.0};
+  Reading out;
+  std::int64_t arrival_ns = 0;
+
+  Stream() {
+    for (std::int64_t ms = 10'000; ms <= 20'000; ms += 10) EXPECT_TRUE(push(10, ms)) << ms;
+  }
+  bool push(std::int64_t after_ms, std::int64_t sender_ms) {
+    arrival_ns += 1'000'000 * after_ms;
+    out = reading(true, 1'000'000 * sender_ms);
+    return stamps.stamp(out, arrival_ns, 1);
+  }
+  [[nodiscard]] std::int64_t ms() const { return out.sample.t_ns / 1'000'000; }
+};
+
+TEST(Stamps, ASenderThatBeganAnewOnAStreamThatWasNotCutIsMissedForAsLongAsNothingArrived) {
+  Stream stream;
+  EXPECT_FALSE(stream.push(3'000, 200)) << "one alone may be damaged";
+  ASSERT_TRUE(stream.push(10, 210));
+  EXPECT_EQ(stream.ms(), 23'010);
+  ASSERT_TRUE(stream.push(10, 220));
+  EXPECT_EQ(stream.ms(), 23'020);
+  EXPECT_EQ(stream.stamps.began_anew(), 1U);
+  EXPECT_EQ(stream.stamps.away_ns(), 3'000'000'000);
+}
+
+TEST(Stamps, AClockThatJumpsWhileReadingsComeIsLeftToThePipeline) {
+  Stream stream;
+  for (std::int64_t ms = 200; ms < 400; ms += 10) {
+    ASSERT_TRUE(stream.push(10, ms));
+    EXPECT_EQ(stream.ms(), ms);
+  }
+  EXPECT_EQ(stream.stamps.began_anew(), 0U);
+}
+
+TEST(Stamps, AClockThatJumpsBetweenTwoBurstsIsLeftToThePipeline) {
+  Stamps stamps(0.0);
+  for (int k = 0; k < 400; ++k) {
+    Reading r = reading(true, 10'000'000LL * (k < 304 ? k + 2000 : k));
+    ASSERT_TRUE(stamps.stamp(r, 160'000'000LL * (k / 16), 1)) << k;
+  }
+  EXPECT_EQ(stamps.began_anew(), 0U);
+}
+
+TEST(Stamps, OneStampThatLiesBehindAfterAPauseIsRefusedAlone) {
+  Stream stream;
+  EXPECT_FALSE(stream.push(3'000, 5));
+  ASSERT_TRUE(stream.push(10, 23'010));
+  EXPECT_EQ(stream.ms(), 23'010);
+  EXPECT_FALSE(stream.push(500, 7));
+  ASSERT_TRUE(stream.push(10, 9'000)) << "neither of them is near the other";
+  EXPECT_EQ(stream.ms(), 9'000);
+}
+
+TEST(Stamps, ALateRowAfterAPauseIsNoSenderThatBeganAnew) {
+  Stream stream;
+  for (int k = 0; k < 3; ++k) {
+    ASSERT_TRUE(stream.push(k == 0 ? 400 : 0, 19'960 + k));
+    EXPECT_EQ(stream.ms(), 19'960 + k);
+  }
+}
+
 TEST(Stamps, TimesThatAddUpBeyondAnyClockAreRefused) {
   constexpr std::int64_t kFar_ns = 3'900'000'000'000'000'000;
   Stamps stamps(0.0);
