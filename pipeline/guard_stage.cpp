@@ -54,7 +54,7 @@ bool GuardStage::take_time(const RawSample& in, GuardedSample& out) noexcept {
   if (out.leads) {
     SensorClock::Step step;
     if (!clock_.advance(in.t_ns, params_.gap_factor, params_.clock_step_s, step)) {
-      ++counts_.refused;
+      refuse_time();
       return false;
     }
     if (step.clock_was_set) ++counts_.clock_steps;
@@ -64,7 +64,7 @@ bool GuardStage::take_time(const RawSample& in, GuardedSample& out) noexcept {
     return true;
   }
   if (!SensorClock::is_time(in.t_ns)) {
-    ++counts_.refused;
+    refuse_time();
     return false;
   }
   out.sample.t_ns = clock_.in_pipeline_time(in.t_ns);
@@ -75,7 +75,7 @@ bool GuardStage::take_time(const RawSample& in, GuardedSample& out) noexcept {
   }
   for (const SamplePart part : {kAcc, kMag})
     if (in.holds(part) && !times_[part_index(part)].follows(out.sample.t_ns)) {
-      ++counts_.refused;
+      refuse_time();
       return false;
     }
   return true;
@@ -143,6 +143,7 @@ StageStatus GuardStage::process(const RawSample& in, GuardedSample& out) noexcep
   last_sequence_ = in.sequence;
   started_ = true;
   if (in.has == 0) return StageStatus::kDrop;  // nothing was measured: a row of a reference, say
+  ++counts_.rows;
   out = GuardedSample{.sample = in};
   out.leads = leads(in);
   out.after_gap = jumped;

@@ -46,7 +46,9 @@ struct GuardCounts {
   std::uint64_t samples = 0;      ///< rows that lead, used or refused
   std::uint64_t gaps = 0;         ///< steps too long, and jumps of the sequence
   std::uint64_t lost = 0;         ///< samples missing in the sequence
+  std::uint64_t rows = 0;         ///< with anything measured
   std::uint64_t refused = 0;      ///< rows whose time repeats or runs backward, or without a usable part
+  std::uint64_t out_of_time = 0;  ///< of these, for their time
   std::uint64_t late = 0;         ///< readings in rows of their own that came too late to be used
   std::uint64_t not_finite = 0;   ///< parts taken out
   std::uint64_t spikes = 0;       ///< the same, because no motion gives such a reading
@@ -90,6 +92,10 @@ class GuardStage {
  private:
   [[nodiscard]] bool leads(const RawSample& in) noexcept;
   [[nodiscard]] bool take_time(const RawSample& in, GuardedSample& out) noexcept;
+  void refuse_time() noexcept {
+    ++counts_.refused;
+    ++counts_.out_of_time;
+  }
   void take_out_unusable(GuardedSample& out) noexcept;
   void take_temperature(RawSample& sample) noexcept;
   void note_readings(const RawSample& sample) noexcept;

@@ -69,6 +69,7 @@ SlowWork::SlowWork(const SlowWorkParts& parts, const pipeline::Shared& shared)
       watch_(parts.source),
       start_ns_(monotonic_ns()),
       last_save_ns_(start_ns_),
+      last_attitude_ns_(start_ns_),
       rate_(start_ns_) {
   parts_.wire.publish_calibration(to_message(parts_.calibrator.snapshot(), config_.sensor.id));
 }
@@ -97,7 +98,13 @@ void SlowWork::on_calibration(const pipeline::Evidence& evidence, const Calibrat
 
 bool SlowWork::stale(const pipeline::SensorReport& report, std::int64_t now_ns) const {
   if (report.last_arrival_ns == 0 || report.state != pipeline::SensorState::kRunning) return true;
-  return static_cast<double>(now_ns - report.last_arrival_ns) > 1e9 * parts_.live.stale_after_s;
+  return too_old(report.last_arrival_ns, now_ns);
+}
+
+bool SlowWork::barren(std::int64_t now_ns) const { return attitudes_ > 0 && too_old(last_attitude_ns_, now_ns); }
+
+bool SlowWork::too_old(std::int64_t t_ns, std::int64_t now_ns) const {
+  return static_cast<double>(now_ns - t_ns) > 1e9 * parts_.live.stale_after_s;
 }
 
 void SlowWork::log_neighbours() {
@@ -140,6 +147,7 @@ void SlowWork::log_refused_datagrams() {
 
 void SlowWork::tell_news(const pipeline::SensorReport& report) {
   for (const auto& line : watch_.news(std::span(report.findings).first(report.found))) log(line);
+  if (const std::string line = refused_rows_.news(report.guard); !line.empty()) log(line);
   const auto tell = [](std::uint64_t now, std::uint64_t& told, const char* what) {
     if (now > told) log(fmt::format("{} {} so far", now, what));
     told = now;
@@ -185,13 +193,15 @@ DiagnosticsMessage SlowWork::diagnostics(const pipeline::SensorReport& report, s
   d.not_finite = report.guard.not_finite + report.guard.spikes;
   d.write_failures = report.write_failures;
   d.temp_degC = last_.temp_degC;
-  d.status = is_stale ? AttitudeStatus::kStale : last_.status;
+  const bool is_barren = barren(now_ns);
+  d.status = is_stale || is_barren ? AttitudeStatus::kStale : last_.status;
   d.heading_reference = last_.heading_reference;
   d.health = last_.health;
   d.sensor_id = config_.sensor.id;
-  d.message = is_stale ? "no sample from the source"
-                       : fmt::format("{} rest windows, calibration version {}", report.stages.windows,
-                                     parts_.calibrator.snapshot().version);
+  d.message = is_stale    ? "no sample from the source"
+              : is_barren ? "samples come, but no attitude can be made of them"
+                          : fmt::format("{} rest windows, calibration version {}", report.stages.windows,
+                                        parts_.calibrator.snapshot().version);
   const io::RefusedDatagrams& datagrams = outlet_.datagrams;
   d.datagrams_malformed = datagrams.malformed;
   d.datagrams_off_host = datagrams.off_host;
@@ -199,7 +209,9 @@ DiagnosticsMessage SlowWork::diagnostics(const pipeline::SensorReport& report, s
   d.source = config_.source.description();
   d.missing = parts_.troubles.all();
   if (watch_.implausible() && d.status == AttitudeStatus::kOk) d.status = AttitudeStatus::kDegraded;
-  if (!watch_.trouble().empty()) d.missing += (d.missing.empty() ? "" : "; ") + watch_.trouble();
+  if (refused_rows_.most() && d.status == AttitudeStatus::kOk) d.status = AttitudeStatus::kDegraded;
+  for (const std::string& trouble : {watch_.trouble(), refused_rows_.trouble()})
+    if (!trouble.empty()) d.missing += (d.missing.empty() ? "" : "; ") + trouble;
   d.last_refusal = std::string(calib::name(report.last_refusal));
   d.latency_counts = shared_.latency.counts();
   d.latency_max_ns = shared_.latency.max_ns();
@@ -208,6 +220,10 @@ DiagnosticsMessage SlowWork::diagnostics(const pipeline::SensorReport& report, s
 
 void SlowWork::on_tick(const pipeline::SensorReport& report, std::int64_t now_ns) {
   const bool is_stale = stale(report, now_ns);
+  if (const std::uint64_t now = report.published + report.write_failures; now != attitudes_) {
+    attitudes_ = now;
+    last_attitude_ns_ = now_ns;
+  }
   outlet_ = parts_.wire.report();
   log_changes(report, is_stale);
   covariances_ = noise_.covariances(parts_.calibrator.snapshot(), rotation_to_body(frame_));

@@ -9,6 +9,7 @@
 #include "apps/stillpointd/live_settings.h"
 #include "apps/stillpointd/rate_meter.h"
 #include "apps/stillpointd/reading_noise.h"
+#include "apps/stillpointd/refused_rows.h"
 #include "apps/stillpointd/service_manager.h"
 #include "apps/stillpointd/source_watch.h"
 #include "apps/stillpointd/troubles.h"
@@ -45,6 +46,9 @@ class SlowWork {
 
  private:
   [[nodiscard]] bool stale(const pipeline::SensorReport& report, std::int64_t now_ns) const;
+  /// Rows come, and none of them gives an attitude any more.
+  [[nodiscard]] bool barren(std::int64_t now_ns) const;
+  [[nodiscard]] bool too_old(std::int64_t t_ns, std::int64_t now_ns) const;
   void log_neighbours();
   void log_refused_datagrams();
   void log_changes(const pipeline::SensorReport& report, bool is_stale);
@@ -57,10 +61,12 @@ class SlowWork {
   const pipeline::Shared& shared_;
   SourceWatch watch_;
   HealthWatch health_;
+  RefusedRows refused_rows_;
   AttitudeMessage last_;
   ReadingNoise noise_;
   ReadingCovariances covariances_;  ///< once a second
-  std::int64_t start_ns_, last_save_ns_;
+  std::int64_t start_ns_, last_save_ns_, last_attitude_ns_;
+  std::uint64_t attitudes_ = 0;
   RateMeter rate_;
   std::uint64_t told_dropped_ = 0, told_answers_late_ = 0, told_clock_steps_ = 0;
   std::uint64_t tell_readings_late_at_ = 1;

@@ -84,6 +84,17 @@ TEST_F(DaemonSources, ReadingsThatComeTooLateAreCountedAndTold) {
   EXPECT_NE(said.find("readings so far came later than sensor.limits.late_s, 0.01 s"), std::string::npos) << said;
 }
 
+TEST_F(DaemonSources, StampsThatAreCoarserThanTheRowsAreTold) {
+  std::ostringstream text;
+  text << kInG;
+  for (int k = 0; k < 1000; ++k) text << k / 10 * 100 << ",0,0," << 1.0 + 1e-3 * (k % 3) << ",0,0,0\n";
+  int code = -1;
+  const std::string said = daemon("kind: stream, from: stdin", text.str(), code);
+  EXPECT_EQ(code, 0) << said;
+  EXPECT_NE(said.find("samples=1000 published=100 refused=900 "), std::string::npos) << said;
+  EXPECT_NE(said.find("90 % of the rows are refused, as their stamps do not advance"), std::string::npos) << said;
+}
+
 TEST_F(DaemonSources, TheConfigurationIsCheckedAgainstWhatIsThere) {
   int code = 0;
   const auto expect_refusal = [&](const std::string& config, const char* why) {

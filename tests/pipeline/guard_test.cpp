@@ -45,6 +45,21 @@ TEST(Guard, CountsEverySampleThatIsMissingInTheSequence) {
   EXPECT_EQ(rows.guard.counts().samples, 13U);
 }
 
+TEST(Guard, CountsTheRowsThatAreRefusedForTheirTimeApart) {
+  Rows rows;
+  for (int k = 0; k < 10; ++k) rows.push(10 * kMs);
+  for (int k = 0; k < 4; ++k) EXPECT_EQ(rows.push(0), StageStatus::kDrop);
+  EXPECT_EQ(rows.push(10 * kMs, 1, kAcc), StageStatus::kOk);
+  EXPECT_EQ(rows.push(0, 1, kAcc), StageStatus::kDrop) << "in a row of its own";
+  RawSample broken{.t_ns = rows.t_ns + kMs, .sequence = rows.sequence + 1, .acc_mps2 = {1e300, 0, 0}, .has = kAcc};
+  EXPECT_EQ(rows.guard.process(broken, rows.out), StageStatus::kDrop);
+  broken.has = 0;
+  rows.guard.process(broken, rows.out);
+  EXPECT_EQ(rows.guard.counts().rows, 17U);
+  EXPECT_EQ(rows.guard.counts().refused, 6U);
+  EXPECT_EQ(rows.guard.counts().out_of_time, 5U);
+}
+
 TEST(Guard, KnowsTheUsualStepOfEverySensorThoughTheFirstWasLongAndSomeAreMissing) {
   Rows rows;
   EXPECT_EQ(rows.guard.usual_step_s(), 0.0);
