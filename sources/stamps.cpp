@@ -71,9 +71,15 @@ std::int64_t Stamps::unwrapped(const Reading& reading) noexcept {
   const double wrap_ns = kCounts32 * reading.time_unit_ns;
   // A 32-bit counter of ms, us or ns begins at 0 again; nothing else goes back by just about that much.
   const bool wrapped = wrap_ns < 1e16 && back_ns > 0.9 * wrap_ns && back_ns < 1.1 * wrap_ns;
+  // A row of its own from before that end may come after it: the counter has not gone round twice.
+  if (wrapped_ns_ && static_cast<double>(last_ns_ - *wrapped_ns_) < kLatest_ns) {
+    const double before_ns = static_cast<double>(*wrapped_ns_) + wrap_ns - static_cast<double>(t_ns);
+    if (before_ns > 0.0 && before_ns < kLatest_ns) return t_ns - static_cast<std::int64_t>(wrap_ns);
+  }
   if (!wrapped || offset_ns_ > kFurthest_ns - static_cast<std::int64_t>(wrap_ns)) return t_ns;
   offset_ns_ += static_cast<std::int64_t>(wrap_ns);
-  return t_ns + static_cast<std::int64_t>(wrap_ns);
+  wrapped_ns_ = t_ns + static_cast<std::int64_t>(wrap_ns);
+  return *wrapped_ns_;
 }
 
 void Stamps::follow(std::int64_t sender_ns, std::int64_t due_ns, std::int64_t& t_ns) noexcept {

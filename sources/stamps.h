@@ -57,8 +57,9 @@ class Stamps {
 
   std::array<ArrivalClock, 16> clocks_;  ///< by the parts held: sensors that come one by one have rates of their own
   std::int64_t offset_ns_ = 0, last_ns_ = 0, last_arrival_ns_ = 0;
-  pipeline::UsualStep arrivals_;    ///< of readings that did not come at once
-  std::optional<Suspect> suspect_;  ///< the last reading, which may be the first of a sender that began anew
+  std::optional<std::int64_t> wrapped_ns_;  ///< time of the first reading after the counter's end
+  pipeline::UsualStep arrivals_;            ///< of readings that did not come at once
+  std::optional<Suspect> suspect_;          ///< the last reading, which may be the first of a sender that began anew
   std::uint64_t began_anew_ = 0;
   std::int64_t away_ns_ = 0;
   bool device_time_ = false;  ///< since the start or the last cut

@@ -107,6 +107,19 @@ TEST(Stamps, ACounterOf32BitsIsFollowedOverItsEnd) {
   }
 }
 
+TEST(Stamps, ALateRowFromBeforeTheEndOf32BitsIsNoSecondEnd) {
+  constexpr std::int64_t kRound = 4'294'967'296;
+  for (const double unit_ns : {1.0, 1e3, 1e6}) {
+    Stamps stamps(0.0);
+    std::int64_t at = 0;
+    for (const std::int64_t from_the_end : {-5, -1, -3, 1, -2, -1, 6, -4, -1, 11, 8}) {
+      Reading r = reading(true, (kRound + from_the_end) % kRound * std::llround(unit_ns), unit_ns);
+      ASSERT_TRUE(stamps.stamp(r, at += 1'000'000, 1));
+      EXPECT_EQ(r.sample.t_ns, (kRound + from_the_end) * std::llround(unit_ns)) << from_the_end << ' ' << unit_ns;
+    }
+  }
+}
+
 TEST(Stamps, ASenderThatBeganAnewGoesOnWhereItWouldBe) {
   Stamps stamps(0.0);
   Reading r = reading(true, 50'000'000'000);
