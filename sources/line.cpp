@@ -21,6 +21,33 @@ constexpr double kLatest_ns = 4.6e18;  // 146 years: the difference of any two t
 
 bool is_letter(char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_'; }
 
+char lower(char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; }
+
+/// Without blanks, and without the mark that some programs set before a text in UTF-8.
+std::string_view bare(std::string_view line) noexcept {
+  line = io::strip(line);
+  if (line.substr(0, 3) == "\xEF\xBB\xBF") line = io::strip(line.substr(3));
+  return line;
+}
+
+std::string_view unquoted(std::string_view name) noexcept {
+  const bool quoted = name.size() > 1 && name.front() == '"' && name.back() == '"';
+  return quoted ? name.substr(1, name.size() - 2) : name;
+}
+
+/// A name as we write it, whatever letters it was written in. Allocates.
+std::string in_our_letters(std::string_view name) {
+  std::string out(name);
+  std::transform(out.begin(), out.end(), out.begin(), lower);
+  for (const std::string_view unit : {"_uT", "_T", "_degC"}) {
+    const std::size_t stem = out.size() - std::min(out.size(), unit.size());
+    const auto same = [](char a, char b) { return a == lower(b); };
+    if (std::equal(out.begin() + static_cast<std::ptrdiff_t>(stem), out.end(), unit.begin(), unit.end(), same))
+      out.replace(stem, unit.size(), unit);
+  }
+  return out;
+}
+
 /// One number and nothing else; NaN for an empty text. A leading plus sign is taken, as printf("%+f") writes it.
 bool parse_number(std::string_view text, double& value) noexcept {
   if (text.empty()) {
@@ -129,6 +156,12 @@ std::optional<Field> LineFormat::known_field(std::string_view name) const noexce
   return field;
 }
 
+std::optional<Field> LineFormat::field_of_header(std::string_view name) const {
+  name = unquoted(name);
+  const auto field = field_named(name);
+  return field || !by_name_.empty() ? field : known_field(in_our_letters(name));
+}
+
 std::optional<Field> LineFormat::field_named(std::string_view name) const noexcept {
   if (by_name_.empty()) return known_field(name);
   const auto found = std::find_if(by_name_.begin(), by_name_.end(), [name](const auto& n) { return n.first == name; });
@@ -139,7 +172,8 @@ bool LineFormat::use_header(std::string_view line) {
   if (configured_positions_) return false;
   std::vector<std::optional<Field>> fields;
   std::string_view name;
-  for (Fields names(line); names.next(name) && fields.size() < kMostColumns;) fields.push_back(field_named(name));
+  for (Fields names(bare(line)); names.next(name) && fields.size() < kMostColumns;)
+    fields.push_back(field_of_header(name));
   const bool any = std::any_of(fields.begin(), fields.end(), [](const auto& f) {
     return f && f->place != io::kColumnGroupInfo[io::kTimeGroup].first;
   });
@@ -148,10 +182,11 @@ bool LineFormat::use_header(std::string_view line) {
 }
 
 Piece LineFormat::parse(std::string_view line, Reading& out) const noexcept {
-  line = io::strip(line);
+  line = bare(line);
   if (line.empty() || line[0] == '#') return Piece::kIgnored;
   if (line[0] == '{') return parse_json(line, out);
-  const bool text = is_letter(line[0]) && line.substr(0, 3) != "nan" && line.substr(0, 3) != "inf";
+  const char first = line[0] == '"' && line.size() > 1 ? line[1] : line[0];
+  const bool text = is_letter(first) && line.substr(0, 3) != "nan" && line.substr(0, 3) != "inf";
   if (text) return Piece::kHeader;
   return parse_csv(line, out);
 }
@@ -196,7 +231,7 @@ std::string LineFormat::unknown_names(std::string_view line) const {
     const std::string meant = io::meant_column(name);
     names += fmt::format("{}{}{}", names.empty() ? "" : ", ", name, meant.empty() ? "" : " (" + meant + "?)");
   };
-  line = io::strip(line);
+  line = bare(line);
   if (!line.empty() && line[0] == '{') {
     const bool whole = for_each_number(line, [&](std::string_view name, double) {
       if (!field_of_json(name)) add(name);
@@ -205,7 +240,7 @@ std::string LineFormat::unknown_names(std::string_view line) const {
   }
   std::string_view name;
   for (Fields fields(line); fields.next(name);)
-    if (!io::known_column(name)) add(name);
+    if (!io::known_column(in_our_letters(unquoted(name)))) add(name);
   return names;
 }
 

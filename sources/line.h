@@ -38,6 +38,8 @@ class LineFormat {
  private:
   Piece parse_csv(std::string_view line, Reading& out) const noexcept;
   Piece parse_json(std::string_view line, Reading& out) const noexcept;
+  /// In quotes or in any letters, capital or not. Allocates.
+  [[nodiscard]] std::optional<Field> field_of_header(std::string_view name) const;
   [[nodiscard]] std::optional<Field> field_named(std::string_view name) const noexcept;
   [[nodiscard]] std::optional<Field> known_field(std::string_view name) const noexcept;
   [[nodiscard]] std::optional<Field> field_of_json(std::string_view name) const noexcept;

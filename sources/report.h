@@ -36,6 +36,7 @@ struct SourceReport {
   std::uint64_t ignored = 0;            ///< texts and numbers that nobody can name
   std::uint64_t skipped_bytes = 0;      ///< that belong to no frame and to no line
   std::uint64_t lost = 0;               ///< missing by the sender's count
+  bool returns_alone = false;           ///< lines seem to end with a carriage return alone
   std::uint64_t unstamped = 0;          ///< without a time: of the second that teaches the rate, or damaged
   std::uint64_t began_anew = 0;         ///< senders whose stamps began anew after a pause of a stream that was not cut
   std::int64_t away_ns = 0;             ///< how long nothing had come the last time

@@ -4,6 +4,15 @@
 #include <cstring>
 
 namespace stillpoint::sources {
+namespace {
+
+/// Of columns, and not what a device says as it starts.
+bool looks_like_names(std::string_view line) noexcept {
+  const auto separates = [](char c) { return c == ',' || c == ';' || c == '\t'; };
+  return std::count_if(line.begin(), line.end(), separates) >= 3 && line.find(':') == std::string_view::npos;
+}
+
+}  // namespace
 
 void Splitter::restart(bool in_midst) noexcept {
   begin_ = end_ = 0;
@@ -69,6 +78,7 @@ Piece Splitter::next_line(Reading& out) noexcept {
   if (found == nullptr) {
     if (bytes.size() == buffer_.size()) {  // no line is that long: wait for the next one
       counts_.skipped_bytes += bytes.size();
+      counts_.returns_alone = std::memchr(bytes.data(), '\r', bytes.size()) != nullptr;
       drop(bytes.size());
       overlong_ = true;
     }
@@ -94,7 +104,8 @@ Piece Splitter::next_line(Reading& out) noexcept {
 void Splitter::note_names(Piece piece, std::string_view line) noexcept {
   const bool object = piece != Piece::kMalformed && line.substr(0, 1) == "{";
   const bool used = piece == Piece::kHeader ? format_.use_header(line) : object && !object_seen_;
-  if (used) unknown_names_ = format_.unknown_names(line);
+  if (used || (piece == Piece::kHeader && !knows_positions() && looks_like_names(line)))
+    unknown_names_ = format_.unknown_names(line);
   object_seen_ = object_seen_ || object;
 }
 

@@ -19,6 +19,7 @@ struct SplitCounts {
   std::uint64_t ignored = 0;        ///< comments, texts, blank lines, numbers before any header
   std::uint64_t skipped_bytes = 0;  ///< between frames, and of lines too long to be one
   std::uint64_t lost = 0;           ///< missing by the frames' counter
+  bool returns_alone = false;       ///< lines seem to end with a carriage return
 };
 
 class Splitter {

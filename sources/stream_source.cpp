@@ -39,7 +39,9 @@ pipeline::SourceState StreamSource::next(pipeline::Arrival& out) noexcept {
       if (endpoint_.datagrams()) splitter_->end_of_datagram();
       was_there_ = true;
       reopening_.works();
-      return parsed(out) ? SourceState::kSample : SourceState::kNothing;
+      if (parsed(out)) return SourceState::kSample;
+      if (arrival_ns_ - told_ns_ > kTellPeriod_ns) tell(counts_.link);  // of lines that are no readings
+      return SourceState::kNothing;
     case ReadState::kNothing:
       tell(counts_.link);
       return SourceState::kNothing;
@@ -104,6 +106,7 @@ void StreamSource::tell(LinkState link) noexcept {
   counts_.ignored = split.ignored;
   counts_.skipped_bytes = split.skipped_bytes;
   counts_.lost = split.lost;
+  counts_.returns_alone = split.returns_alone;
   counts_.began_anew = stamps_.began_anew();
   counts_.away_ns = stamps_.away_ns();
   counts_.refused = ShortText(splitter_->last_refused());

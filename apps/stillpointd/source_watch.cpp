@@ -45,6 +45,8 @@ void SourceWatch::tell_damage(const SourceReport& now, std::vector<std::string>&
         fmt::format("source: passed over, as their names are not known: {}; ours are such as acc_x_g, gyr_x_dps, "
                     "mag_x_uT, and 'source: columns' says which is which",
                     io::printable(names)));
+  if (now.returns_alone && !told_.returns_alone)
+    lines.emplace_back("source: lines end with a carriage return alone; end them with a line feed");
   if (now.readings == 0 && now.ignored >= tell_ignored_at_) {
     lines.push_back(fmt::format(
         "source: {} lines and no reading, the last {}; name what the columns hold with 'source: columns', or "

@@ -56,5 +56,14 @@ TEST_F(SourceWatchTest, TellsEachTimeThatASenderBeganAnew) {
   EXPECT_THAT(watch_.news({}), IsEmpty());
 }
 
+TEST_F(SourceWatchTest, TellsOnceOfLinesThatEndWithACarriageReturnAlone) {
+  sources::SourceReport now;
+  now.returns_alone = true;
+  report_->store(now);
+  EXPECT_THAT(watch_.news({}),
+              ElementsAre("source: lines end with a carriage return alone; end them with a line feed"));
+  EXPECT_THAT(watch_.news({}), IsEmpty());
+}
+
 }  // namespace
 }  // namespace stillpoint::app

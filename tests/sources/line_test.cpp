@@ -33,6 +33,23 @@ TEST(Line, ColumnsOfAHeaderComeInSiUnits) {
   EXPECT_DOUBLE_EQ(r.sample.temp_degC, 31.5);
 }
 
+TEST(Line, NamesOfAHeaderMayStandInQuotesInCapitalsAndBehindAByteOrderMark) {
+  for (const char* header :
+       {"\xEF\xBB\xBFtime_ms,acc_x_g,acc_y_g,acc_z_g,mag_x_uT,mag_y_uT,mag_z_uT,temp_degC",
+        R"("time_ms","acc_x_g","acc_y_g","acc_z_g","mag_x_uT","mag_y_uT","mag_z_uT","temp_degC")",
+        "TIME_MS,ACC_X_G,ACC_Y_G,ACC_Z_G,MAG_X_UT,MAG_Y_UT,MAG_Z_UT,TEMP_DEGC",
+        "\xEF\xBB\xBF\"Time_ms\"; \"Acc_X_g\"; \"Acc_Y_g\"; \"Acc_Z_g\"; Mag_X_T; Mag_Y_t; Mag_Z_T; Temp_degC"}) {
+    Reading r;
+    LineFormat format({});
+    EXPECT_EQ(format.parse(header, r), Piece::kHeader) << header;
+    ASSERT_TRUE(format.use_header(header)) << header;
+    EXPECT_EQ(format.unknown_names(header), "");
+    ASSERT_EQ(format.parse("12.5,0,0,1,20,0,-40,31.5", r), Piece::kReading) << header;
+    EXPECT_EQ(r.sample.t_ns, 12'500'000);
+    EXPECT_EQ(r.sample.has, kAcc | kMag | kTemp);
+  }
+}
+
 TEST(Line, ARowMayHoldOneSensorAndATriadWithAMissingAxisIsNone) {
   const auto format = with_header("time_s,acc_x_mps2,acc_y_mps2,acc_z_mps2,gyr_x_radps,gyr_y_radps,gyr_z_radps");
   Reading r;

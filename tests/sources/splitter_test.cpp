@@ -83,6 +83,28 @@ TEST(Splitter, ALineWithoutEndIsPassedOver) {
   EXPECT_GE(splitter.counts().skipped_bytes, 8192U);
 }
 
+TEST(Splitter, AHeaderWithoutAKnownNameIsTold) {
+  Splitter splitter({});
+  feed(splitter, "rst:0x1 (POWERON),boot:0x13,mode:DIO,clock\nHello\n", 100);
+  EXPECT_EQ(splitter.unknown_names(), "");
+  feed(splitter, "t,accx_g,acc_y,acc_z\n1,0,0,1\n", 100);
+  EXPECT_NE(splitter.unknown_names().find("t, accx_g (acc_x_g?), "), std::string::npos) << splitter.unknown_names();
+  feed(splitter, kHeader + line(1), 100);
+  EXPECT_EQ(splitter.unknown_names(), "");
+}
+
+TEST(Splitter, LinesThatEndWithACarriageReturnAloneAreTold) {
+  for (const bool alone : {true, false}) {
+    Splitter splitter({});
+    std::string text = kHeader;
+    for (int k = 0; k < 1000; ++k) text += line(k);
+    std::string with_returns;
+    for (const char c : text) with_returns += c != '\n' ? std::string(1, c) : alone ? "\r" : "\r\n";
+    feed(splitter, with_returns, 100);
+    EXPECT_EQ(splitter.counts().returns_alone, alone);
+  }
+}
+
 TEST(Splitter, FramesAreFoundByThemselvesAndAgainAfterGarbage) {
   Splitter splitter({});
   std::string bytes = "boot: sensor 1\n";

@@ -97,6 +97,27 @@ TEST(StreamSource, AFifoIsReadWriterAfterWriter) {
   }
 }
 
+TEST(StreamSource, LinesThatAreNoReadingsAreToldWhileTheyCome) {
+  const ScratchFolder folder;
+  const std::string path = folder / "fifo";
+  ASSERT_EQ(mkfifo(path.c_str(), 0600), 0);
+  StreamSource stream = source(from(path));
+  Arrival out;
+  int fd = -1;
+  for (int k = 0; k < 50 && fd < 0; ++k) {
+    stream.next(out);
+    fd = open(path.c_str(), O_WRONLY | O_NONBLOCK);
+  }
+  ASSERT_GE(fd, 0);
+  for (int k = 0; k < 100; ++k) {
+    send(fd, "1,0,0,9.8\n");
+    EXPECT_EQ(stream.next(out), SourceState::kNothing);
+    usleep(1000);
+  }
+  EXPECT_GT(stream.report()->try_load()->ignored, 10U);
+  close(fd);
+}
+
 TEST(StreamSource, AFileEnds) {
   const ScratchFolder folder;
   std::ofstream(folder / "a.csv") << kHeader << "1,0,0,9.8\n2,0,0,9.8";
