@@ -8,6 +8,7 @@
 
 #include "core/nearest.h"
 #include "core/units.h"
+#include "exchange/order.h"
 
 namespace stillpoint::exchange {
 namespace {
@@ -207,6 +208,7 @@ Result<std::vector<Stream>> read_streams(const Table& table, const ColumnMap& ma
     auto s = raw_stream(table, **time, *unit_ns, wanted);
     if (!s) return tl::unexpected(s.error());
     if (s->values.empty()) continue;
+    put_in_order(*s, why);  // neighbours of a jump in time would turn gravity by nothing that was measured
     const auto acc =
         std::find_if(streams.begin(), streams.end(), [](const Stream& x) { return x.quantity == Quantity::kAcc; });
     const Stream* const force = acc == streams.end() ? nullptr : &*acc;

@@ -5,25 +5,13 @@
 #include <algorithm>
 #include <cmath>
 
+#include "exchange/order.h"
+
 namespace stillpoint::exchange {
 namespace {
 
 constexpr std::int64_t kLongest_ns = 4'600'000'000'000'000'000;  // that a recording's reader takes
 constexpr double kYear_s = 365.25 * 86400.0;
-
-/// Leaves times that advance; gives how many were dropped.
-std::size_t keep_advancing(Stream& s) {
-  std::size_t kept = 0;
-  for (std::size_t i = 0; i < s.t_ns.size(); ++i) {
-    if (kept > 0 && s.t_ns[i] <= s.t_ns[kept - 1]) continue;
-    s.t_ns[kept] = s.t_ns[i];
-    s.values[kept++] = s.values[i];
-  }
-  const std::size_t dropped = s.t_ns.size() - kept;
-  s.t_ns.resize(kept);
-  s.values.resize(kept);
-  return dropped;
-}
 
 Result<void> expect_overlap(const std::vector<Stream>& streams, const std::string& name) {
   for (const Stream& a : streams)
@@ -74,10 +62,8 @@ Result<Imported> merge(std::vector<Stream> streams, const std::string& file) {
   std::erase_if(streams, [](const Stream& s) { return s.t_ns.empty(); });
   for (Stream& s : streams) {
     inertial = inertial || s.quantity == Quantity::kAcc || s.quantity == Quantity::kGyr;
-    const std::size_t dropped = keep_advancing(s);
+    put_in_order(s, out.reasons);
     out.reasons.push_back(described(s));
-    if (dropped > 0)
-      out.reasons.push_back(fmt::format("{}: {} rows dropped, their time does not advance", s.from, dropped));
     times.insert(times.end(), s.t_ns.begin(), s.t_ns.end());
   }
   if (!inertial)

@@ -30,8 +30,8 @@ struct Imported {
   std::vector<std::string> reasons;  ///< sentences for a person
 };
 
-/// One row for each time that any of them has, starting at 0. Repeated and backward times are dropped and counted in a
-/// reason. Fails (65) without an accelerometer or gyroscope, and where streams do not overlap in time.
+/// One row for each time that any of them has, starting at 0; each stream is put in order first (order.h). Fails (65)
+/// without an accelerometer or gyroscope, and where streams do not overlap in time.
 [[nodiscard]] Result<Imported> merge(std::vector<Stream> streams, const std::string& name);
 
 }  // namespace stillpoint::exchange

@@ -5,32 +5,18 @@
 #include "core/units.h"
 #include "exchange/mcap_writer.h"
 #include "tests/exchange/foreign_files.h"
+#include "tests/exchange/importing.h"
 
 namespace stillpoint::exchange {
 namespace {
 
+using test::all;
 using test::file;
+using test::read;
+using test::refusal;
 using test::Written;
 using testing::HasSubstr;
 constexpr double kG = 1.0 / kStandardGravity_mps2;
-
-Imported read(const std::string& path, const ImportOptions& options = {}) {
-  auto imported = import_recording(path, options);
-  EXPECT_TRUE(imported) << (imported ? "" : imported.error().message);
-  return imported ? *imported : Imported{};
-}
-
-std::string refusal(const std::string& path, const ImportOptions& options = {}) {
-  const auto imported = import_recording(path, options);
-  EXPECT_FALSE(imported);
-  return imported ? "" : imported.error().message;
-}
-
-std::string all(const std::vector<std::string>& lines) {
-  std::string text;
-  for (const auto& l : lines) text += l + "\n";
-  return text;
-}
 
 /// Float32 and nine digits of text leave that much.
 void expect_same(const io::Recording& r, const std::vector<RawSample>& truth, double relative = 1e-6) {
