@@ -195,17 +195,33 @@ class Reader {
     if (std::isfinite(temp)) part.temps.add(*t_ns, Vec3(temp, 0.0, 0.0));
   }
 
+  /// The raw topic, or the one made of it where that has clearly more readings: PX4's default profile logs the raw ones
+  /// at 1 Hz, to watch their temperature.
+  Part* best_of(Quantity quantity, std::vector<std::string>& reasons) {
+    Part *raw = nullptr, *made = nullptr;
+    for (auto& [id, parts] : topics_)
+      for (Part& part : parts) {
+        if (part.stream.quantity != quantity || part.stream.t_ns.empty()) continue;
+        Part*& place = part.second_choice ? made : raw;
+        if (place == nullptr) place = &part;
+      }
+    if (raw == nullptr || made == nullptr) return raw != nullptr ? raw : made;
+    const std::size_t few = raw->stream.t_ns.size(), many = made->stream.t_ns.size();
+    if (many < few + few / 2) return raw;
+    reasons.push_back(fmt::format("{} is taken for {}: it has {} readings, {} has {}", made->stream.from,
+                                  name(quantity), many, raw->stream.from, few));
+    if (made->temps.t_ns.empty()) made->temps = std::move(raw->temps);
+    return made;
+  }
+
   Result<std::vector<Stream>> chosen(std::vector<std::string>& reasons) {
     std::vector<Stream> out;
-    for (const bool second : {false, true})
-      for (auto& [id, parts] : topics_)
-        for (Part& part : parts) {
-          const bool have =
-              std::any_of(out.begin(), out.end(), [&](const Stream& s) { return s.quantity == part.stream.quantity; });
-          if (part.second_choice != second || have || part.stream.t_ns.empty()) continue;
-          out.push_back(std::move(part.stream));
-          if (!part.temps.t_ns.empty()) out.push_back(std::move(part.temps));
-        }
+    for (const Quantity quantity : {Quantity::kAcc, Quantity::kGyr, Quantity::kMag}) {
+      Part* const part = best_of(quantity, reasons);
+      if (part == nullptr) continue;
+      out.push_back(std::move(part->stream));
+      if (!part->temps.t_ns.empty()) out.push_back(std::move(part->temps));
+    }
     if (out.empty())
       return fail(ErrorKind::kBadData, name_ +
                                            ": no sensor_accel, sensor_gyro or sensor_combined in this log; log them "

@@ -117,8 +117,9 @@ inline std::string zip(const std::vector<std::pair<std::string, std::string>>& m
   return out;
 }
 
-/// PX4's log with sensor_accel, sensor_gyro (forward-right-down) and sensor_mag in gauss.
-inline std::string ulog(const std::vector<RawSample>& samples) {
+/// PX4's log with sensor_accel, sensor_gyro (forward-right-down) and sensor_mag in gauss. Its default profile has them
+/// with one row in `thinned` alone, and all rows in sensor_combined.
+inline std::string ulog(const std::vector<RawSample>& samples, std::size_t thinned = 1) {
   std::string out("ULog\x01\x12\x35\x01", 8);
   put<std::uint64_t>(out, 0);
   const auto message = [&out](char type, const std::string& body) {
@@ -135,9 +136,26 @@ inline std::string ulog(const std::vector<RawSample>& samples) {
     put(body, id);
     message('A', body + topics[id]);
   }
-  for (const RawSample& s : samples) {
+  constexpr std::uint16_t kCombined = 3;
+  message('F', "sensor_combined:uint64_t timestamp;float[3] gyro_rad;uint32_t dt;float[3] accelerometer_m_s2;");
+  std::string combined(1, '\0');
+  put(combined, kCombined);
+  if (thinned > 1) message('A', combined + "sensor_combined");
+  for (std::size_t row = 0; row < samples.size(); ++row) {
+    const RawSample& s = samples[row];
     const Array3* vectors[] = {&s.acc_mps2, &s.gyr_radps, &s.mag_uT};
-    for (std::uint16_t id = 0; id < 3; ++id) {
+    if (thinned > 1) {
+      std::string body;
+      put(body, kCombined);
+      put<std::uint64_t>(body, 5'000'000 + static_cast<std::uint64_t>(s.t_ns / 1000));
+      for (const std::size_t k : {1, 0}) {
+        const Array3& v = *vectors[k];
+        for (const double x : {v[0], -v[1], -v[2]}) put(body, static_cast<float>(x));
+        if (k == 1) put<std::uint32_t>(body, 5000);
+      }
+      message('D', body);
+    }
+    for (std::uint16_t id = 0; id < 3 && row % thinned == 0; ++id) {
       const Array3& v = *vectors[id];
       const double factor = id == 2 ? 0.01 : 1.0;
       std::string body;
