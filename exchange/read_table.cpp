@@ -208,6 +208,8 @@ Result<std::vector<Stream>> read_streams(const Table& table, const ColumnMap& ma
     auto s = raw_stream(table, **time, *unit_ns, wanted);
     if (!s) return tl::unexpected(s.error());
     if (s->values.empty()) continue;
+    if (wanted.quantity != Quantity::kTemp)  // before gravity is compared: the accelerometer is turned already
+      for (Vec3& v : s->values) v = map.R_body_sensor * v;
     put_in_order(*s, why);  // neighbours of a jump in time would turn gravity by nothing that was measured
     const auto acc =
         std::find_if(streams.begin(), streams.end(), [](const Stream& x) { return x.quantity == Quantity::kAcc; });
@@ -217,12 +219,9 @@ Result<std::vector<Stream>> read_streams(const Table& table, const ColumnMap& ma
                                   : wanted.quantity == Quantity::kMag ? mag_factor(table, wanted, *s, why)
                                                                       : Result<double>(1.0);
     if (!factor) return tl::unexpected(factor.error());
-    const bool turned = wanted.quantity != Quantity::kTemp;
     Stream out{s->quantity, s->from, {}, {}};
-    for (std::size_t i = 0; i < s->values.size(); ++i) {
-      const Vec3 v = *factor * (turned ? Vec3(map.R_body_sensor * s->values[i]) : s->values[i]);
-      if (v.allFinite()) out.add(s->t_ns[i], v);
-    }
+    for (std::size_t i = 0; i < s->values.size(); ++i)
+      if (const Vec3 v = *factor * s->values[i]; v.allFinite()) out.add(s->t_ns[i], v);
     streams.push_back(std::move(out));
   }
   return streams;

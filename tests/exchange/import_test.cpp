@@ -149,6 +149,7 @@ TEST(Import, AMapSaysColumnsUnitsAndMount) {
   ASSERT_EQ(imported.recording.size(), truth.size());
   EXPECT_NEAR(imported.recording.acc_mps2[5].x(), truth[5].acc_mps2[1], 1e-5);
   EXPECT_NEAR(imported.recording.gyr_radps[5].y(), -truth[5].gyr_radps[0], 1e-5);
+  EXPECT_THAT(all(imported.reasons), testing::Not(HasSubstr("WARNING"))) << "gravity against axes not turned yet";
 }
 
 TEST(Import, AFaultyMapIsNamedByLineAndColumn) {
