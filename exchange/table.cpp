@@ -21,11 +21,14 @@ std::string_view take_line(std::string_view& text) {
   const auto end = text.find('\n');
   const std::string_view line = text.substr(0, end);
   text.remove_prefix(end == std::string_view::npos ? text.size() : end + 1);
-  return strip(line);
+  const auto first = line.find_first_not_of(" \t\r");
+  if (first == std::string_view::npos) return {};
+  return line.substr(first, line.find_last_not_of(" \r") - first + 1);  // tabs at the end stand for empty fields
 }
 
-/// Fields between separators that stand outside quotes; a run of spaces is one separator.
-void split(std::string_view line, char separator, std::vector<std::string_view>& out) {
+/// Fields between separators that stand outside quotes; a run of spaces is one separator. Empty ones at the end are
+/// left out, for programs that end rows with a separator; gives how many fields there are with them.
+std::size_t split(std::string_view line, char separator, std::vector<std::string_view>& out) {
   out.clear();
   bool quoted = false;
   std::size_t start = 0;
@@ -37,7 +40,9 @@ void split(std::string_view line, char separator, std::vector<std::string_view>&
     if (separator != ' ' || !field.empty()) out.push_back(strip(field));
     start = i + 1;
   }
+  const std::size_t all = out.size();
   while (!out.empty() && out.back().empty()) out.pop_back();
+  return all;
 }
 
 /// A decimal comma counts where the comma does not separate.
@@ -97,25 +102,27 @@ class Reader {
     std::string_view header = candidate_;
     while (!header.empty() && (header.front() == '#' || header.front() == '%')) header = strip(header.substr(1));
     split(header, separator_, names);
-    if (names.size() != fields_.size()) {
+    // A table with one sensor a row leaves the columns of the others empty.
+    if (names.size() < fields_.size() || names.size() > all_fields_) {
       if (!candidate_.empty() && candidate_.front() != '#' && candidate_.front() != '%' && names.size() > 1)
         return fail(ErrorKind::kBadData, fmt::format("{}:{}: {} fields under {} column names; is a name missing?",
                                                      table_.name, line_, fields_.size(), names.size()));
       names.clear();
     }
-    for (std::size_t i = 0; i < fields_.size(); ++i)
+    for (std::size_t i = 0; i < (names.empty() ? all_fields_ : names.size()); ++i)
       table_.columns.push_back({names.empty() ? std::to_string(i + 1) : std::string(names[i]), 0, {}, 0});
     return row(line);
   }
 
-  /// The separator with which more than half of the line's fields are numbers, two at least.
+  /// The separator with which more than half of the line's fields that are not empty are numbers, two at least.
   bool choose_separator(std::string_view line) {
     for (const char separator : {'\t', ';', ',', ' '}) {
-      split(line, separator, fields_);
+      all_fields_ = split(line, separator, fields_);
       const bool comma = separator == '\t' || separator == ';';
       const auto numbers = std::count_if(fields_.begin(), fields_.end(),
                                          [&](std::string_view f) { return number(f, comma).has_value(); });
-      if (numbers < 2 || 2 * static_cast<std::size_t>(numbers) <= fields_.size()) continue;
+      const auto filled = std::count_if(fields_.begin(), fields_.end(), [](std::string_view f) { return !f.empty(); });
+      if (numbers < 2 || 2 * numbers <= filled) continue;
       separator_ = separator;
       decimal_comma_ = comma;
       return true;
@@ -125,11 +132,11 @@ class Reader {
 
   Result<void> row(std::string_view line) {
     if (line.front() == '#' || line.front() == '%') return {};
-    split(line, separator_, fields_);
+    all_fields_ = split(line, separator_, fields_);
     if (fields_.size() > table_.columns.size())
       return fail(ErrorKind::kBadData, fmt::format("{}:{}: {} fields, the header has {}", table_.name, line_,
                                                    fields_.size(), table_.columns.size()));
-    const bool cut = text_.empty() && fields_.size() < table_.columns.size();
+    const bool cut = text_.empty() && all_fields_ < table_.columns.size();
     if (cut && table_.rows() > 0) return {};  // the last row, cut short by a power loss
     for (std::size_t i = 0; i < table_.columns.size(); ++i)
       add(table_.columns[i], i < fields_.size() ? fields_[i] : std::string_view());
@@ -156,6 +163,7 @@ class Reader {
   Table table_;
   std::string candidate_;
   std::vector<std::string_view> fields_;
+  std::size_t all_fields_ = 0;  ///< with the empty ones at the end
   std::size_t line_ = 0;
   char separator_ = ',';
   bool decimal_comma_ = false;

@@ -2,6 +2,8 @@
 
 #include <gmock/gmock.h>
 
+#include <algorithm>
+
 #include "core/units.h"
 #include "exchange/mcap_writer.h"
 #include "tests/exchange/foreign_files.h"
@@ -134,6 +136,25 @@ INSTANTIATE_TEST_SUITE_P(
                           "field.angular_velocity.x,field.angular_velocity.y,field.angular_velocity.z,"
                           "field.magnetic_field.x,field.magnetic_field.y,field.magnetic_field.z",
                           1e9, 1.0, 1.0, 1e-6, "looks like T"}));
+
+/// As recordings of ours are, where sensors have clocks of their own.
+TEST(Import, ATableWithOneSensorARowIsReadWhicheverComesFirst) {
+  const auto truth = test::hand();
+  for (const char separator : {',', '\t'})
+    for (const bool acc_first : {false, true}) {
+      std::string text = "time_s,acc_x_mps2,acc_y_mps2,acc_z_mps2,gyr_x_radps,gyr_y_radps,gyr_z_radps\n";
+      for (std::size_t i = 0; i < truth.size(); ++i) {
+        const bool acc = (i % 2 == 0) == acc_first;
+        const auto& [x, y, z] = acc ? truth[i].acc_mps2 : truth[i].gyr_radps;
+        text += fmt::format(fmt::runtime(acc ? "{},{},{},{},,,\n" : "{},,,,{},{},{}\n"),
+                            1e-9 * static_cast<double>(truth[i].t_ns), x, y, z);
+      }
+      std::replace(text.begin(), text.end(), ',', separator);
+      const auto& r = read(file("union.csv", text)).recording;
+      ASSERT_EQ(r.size(), truth.size()) << "the last row is whole too";
+      for (std::size_t i = 0; i < truth.size(); ++i) EXPECT_EQ(r.acc_mps2[i].allFinite(), (i % 2 == 0) == acc_first);
+    }
+}
 
 TEST(Import, AMapSaysColumnsUnitsAndMount) {
   const auto truth = test::hand();
