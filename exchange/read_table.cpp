@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <optional>
 
@@ -142,22 +143,25 @@ Result<double> mag_factor(const Table& table, const SensorColumns& s, const Stre
 /// By how fast gravity turns in the sensor's frame, else by rates that only one unit allows.
 Result<double> gyr_factor(const Table& table, const SensorColumns& s, const Stream& gyr, const Stream* acc,
                           std::vector<std::string>& why) {
-  const double turning = acc == nullptr ? 0.0 : gyr_factor_by_gravity(*acc, gyr);
+  const auto [turning, same_axes] = acc == nullptr ? GravityTurn{} : turn_of_gravity(*acc, gyr);
   const double named = factor_of(Quantity::kGyr, s.unit);
-  if (named != 0.0) {
-    if (turning != 0.0 && (turning < 0.3 * named || turning > 3.0 * named))
-      why.push_back(
-          fmt::format("WARNING {}: gravity turns {:.2g} times as fast as {} says; are its axes, signs or its "
-                      "unit those of the accelerometer?",
-                      table.name, turning / named, fmt::join(s.columns, ", ")));
-    return named;
-  }
-  for (const auto& [unit, factor] : {std::pair{"rad/s", 1.0}, {"deg/s", kRadPerDeg}})
-    if (turning > 0.3 * factor && turning < 3.0 * factor) {
-      why.push_back(fmt::format("{}: {} looks like {}: gravity turns by {:.3g} rad/s for each unit", table.name,
-                                fmt::join(s.columns, ", "), unit, turning));
+  const auto agrees = [turning = turning](double factor) { return turning > 0.3 * factor && turning < 3.0 * factor; };
+  if (named != 0.0 && (turning == 0.0 || agrees(named))) return named;
+  const bool may_overrule = named == 0.0 || same_axes;  // other axes give a small factor too, which is no unit's
+  for (const char* unit : {"rad/s", "deg/s", "mdps"})
+    if (const double factor = factor_of(Quantity::kGyr, unit); may_overrule && agrees(factor)) {
+      why.push_back(fmt::format("{}: {} looks like {}: gravity turns by {:.3g} rad/s for each unit{}", table.name,
+                                fmt::join(s.columns, ", "), unit, turning,
+                                named != 0.0 ? fmt::format(", although its name says {}", s.unit) : ""));
       return factor;
     }
+  if (named != 0.0) {
+    why.push_back(
+        fmt::format("WARNING {}: gravity turns {:.2g} times as fast as {} says; are its axes, signs or its "
+                    "unit those of the accelerometer?",
+                    table.name, turning / named, fmt::join(s.columns, ", ")));
+    return named;
+  }
   double fastest = 0.0;
   for (const Vec3& v : gyr.values) fastest = std::max(fastest, v.cwiseAbs().maxCoeff());
   constexpr double kFullScale_radps = 70.0;  // 4000 deg/s, the widest range on the market
@@ -169,10 +173,23 @@ Result<double> gyr_factor(const Table& table, const SensorColumns& s, const Stre
   return tl::unexpected(unknown_unit(table, s, median_norm(gyr), ", and the motion does not tell"));
 }
 
+/// Of all orders and signs of the gyroscope's axes the one that agrees best.
+double best_agreement(const Mat3& along) {
+  double best = 0.0;
+  std::array<Eigen::Index, 3> axes{0, 1, 2};
+  do {
+    double sum = 0.0;
+    for (Eigen::Index i = 0; i < 3; ++i) sum += std::abs(along(i, axes[static_cast<std::size_t>(i)]));
+    best = std::max(best, sum);
+  } while (std::next_permutation(axes.begin(), axes.end()));
+  return best;
+}
+
 }  // namespace
 
-double gyr_factor_by_gravity(const Stream& acc, const Stream& gyr) {
-  double along = 0.0, length = 0.0;
+GravityTurn turn_of_gravity(const Stream& acc, const Stream& gyr) {
+  double length = 0.0;
+  Mat3 along = Mat3::Zero();  // of each axis that gravity turns about with each axis of the gyroscope
   std::size_t k = 0;
   constexpr std::size_t kStride = 5;  // differences over five readings: less noise
   for (std::size_t i = kStride; i + kStride < acc.t_ns.size(); ++i) {
@@ -182,14 +199,15 @@ double gyr_factor_by_gravity(const Stream& acc, const Stream& gyr) {
     if (dt_s <= 0.0 || dt_s > 0.5 || !is_gravity(before) || !is_gravity(after) || !is_gravity(f)) continue;
     while (k + 1 < gyr.t_ns.size() && gyr.t_ns[k + 1] <= acc.t_ns[i]) ++k;
     if (gyr.values.empty()) break;
-    const Vec3 turned = f.cross(gyr.values[k]);  // df/dt of what stands still in the world
-    along += turned.dot((after - before) / dt_s);
-    length += turned.squaredNorm();
+    // df/dt of what stands still in the world is f x omega; its part along the change is omega (change x f).
+    along += ((after - before) / dt_s).cross(f) * gyr.values[k].transpose();
+    length += f.cross(gyr.values[k]).squaredNorm();
   }
   // Below some turns in all the noise of the accelerometer decides.
   constexpr double kLeastTurning = 50.0;  // (m/s^3)^2 summed, for the factor of rad/s
-  const double factor = length > 0.0 ? along / length : 0.0;
-  return factor * factor * length > kLeastTurning ? factor : 0.0;
+  const double factor = length > 0.0 ? along.trace() / length : 0.0;
+  if (factor * factor * length <= kLeastTurning) return {};
+  return {factor, along.trace() > 0.9 * best_agreement(along)};
 }
 
 Result<std::vector<Stream>> read_streams(const Table& table, const ColumnMap& map, std::vector<std::string>& why) {

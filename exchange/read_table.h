@@ -14,8 +14,11 @@ namespace stillpoint::exchange {
 [[nodiscard]] Result<std::vector<Stream>> read_streams(const Table& table, const ColumnMap& map,
                                                        std::vector<std::string>& reasons);
 
-/// Of the gyroscope's unit against rad/s, from the turning of gravity in the accelerometer's frame: 1 for rad/s, 0.0175
-/// for deg/s, negative where axes or signs disagree. 0: the motion does not tell.
-[[nodiscard]] double gyr_factor_by_gravity(const Stream& acc, const Stream& gyr);
+/// How gravity turns in the accelerometer's frame against what the gyroscope says.
+struct GravityTurn {
+  double factor = 0.0;     ///< 1 for rad/s, 0.0175 for deg/s, negative where axes or signs disagree; 0: cannot be told
+  bool same_axes = false;  ///< no other order or signs of the gyroscope's axes agree clearly better
+};
+[[nodiscard]] GravityTurn turn_of_gravity(const Stream& acc, const Stream& gyr);
 
 }  // namespace stillpoint::exchange

@@ -274,17 +274,5 @@ TEST(Import, WhatCannotBeToldIsAskedFor) {
   EXPECT_THAT(refusal("/nowhere/at/all.csv"), HasSubstr("/nowhere/at/all.csv"));
 }
 
-TEST(Import, AGyroscopeWhoseAxesDisagreeWithGravityIsLoud) {
-  auto truth = test::hand();
-  for (auto& s : truth)
-    for (double& x : s.gyr_radps) x = -x;
-  const auto text = test::table(truth, {"t,ax,ay,az,gyr_x_dps,gyr_y_dps,gyr_z_dps",
-                                        ",",
-                                        1.0,
-                                        0,
-                                        {{&RawSample::acc_mps2, 1.0}, {&RawSample::gyr_radps, kDegPerRad}}});
-  EXPECT_THAT(all(read(file("mirror.csv", text)).reasons), HasSubstr("WARNING"));
-}
-
 }  // namespace
 }  // namespace stillpoint::exchange
