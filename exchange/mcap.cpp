@@ -5,6 +5,7 @@
 #include <lz4frame.h>
 #include <zstd.h>
 
+#include <algorithm>
 #include <map>
 #include <set>
 
@@ -16,6 +17,8 @@ namespace {
 constexpr std::string_view kMagic("\x89MCAP0\r\n", 8);
 constexpr std::size_t kLargestChunk_bytes = std::size_t{1} << 30;
 constexpr std::size_t kTightest = 40000;  // zstd: a block of 128 KB out of four bytes
+
+constexpr std::uint64_t kLatest_ns = 4'600'000'000'000'000'000;  // the difference of any two times fits
 
 enum Opcode : std::uint8_t { kFooter = 2, kSchema = 3, kChannel = 4, kMessage = 5, kChunk = 6, kDataEnd = 15 };
 
@@ -55,6 +58,7 @@ Vec3 measured_vector(CdrReader& cdr) {
 struct Topic {
   std::string name, type;
   std::vector<Stream> streams;
+  std::vector<std::vector<std::int64_t>> logged_ns;  ///< of each stream: when the bag took its messages
   std::size_t messages = 0, damaged = 0;
 };
 
@@ -91,6 +95,11 @@ class Reader {
       if (best == nullptr) continue;
       if (best->damaged > 0)
         reasons.push_back(fmt::format("{}: {} messages of {} are damaged", name_, best->damaged, best->name));
+      if (unstamped(*best)) {
+        reasons.push_back(fmt::format("{}: the stamps of {} do not advance; its times are those of the bag's log",
+                                      name_, best->name));
+        for (std::size_t i = 0; i < best->streams.size(); ++i) best->streams[i].t_ns = std::move(best->logged_ns[i]);
+      }
       std::move(best->streams.begin(), best->streams.end(), std::back_inserter(out));
     }
     if (!out.empty()) return out;
@@ -109,11 +118,13 @@ class Reader {
     } else if (opcode == kChannel) {
       const auto id = b.number<std::uint16_t>(), schema = b.number<std::uint16_t>();
       const std::string topic(b.prefixed()), encoding(b.prefixed());
-      topics_.try_emplace(id, Topic{topic, encoding == "cdr" ? schemas_[schema] : encoding, {}, 0, 0});
+      topics_.try_emplace(id, Topic{topic, encoding == "cdr" ? schemas_[schema] : encoding, {}, {}, 0, 0});
     } else if (opcode == kMessage) {
       const auto id = b.number<std::uint16_t>();
+      b.skip(4);  // sequence
+      const auto logged_ns = static_cast<std::int64_t>(std::min(b.number<std::uint64_t>(), kLatest_ns));
       if (const auto topic = topics_.find(id); topic != topics_.end() && body.size() > 22)
-        message(topic->second, body.substr(22));
+        message(topic->second, logged_ns, body.substr(22));
     } else if (opcode == kChunk) {
       b.skip(16);  // first and last time
       const auto size = b.number<std::uint64_t>();
@@ -126,7 +137,14 @@ class Reader {
     return {};
   }
 
-  void message(Topic& topic, std::string_view data) {
+  /// A driver without a clock leaves the same stamp, most often zero, in every message.
+  static bool unstamped(const Topic& topic) {
+    return std::any_of(topic.streams.begin(), topic.streams.end(), [](const Stream& s) {
+      return s.t_ns.size() > 1 && s.t_ns == std::vector<std::int64_t>(s.t_ns.size(), s.t_ns.front());
+    });
+  }
+
+  void message(Topic& topic, std::int64_t logged_ns, std::string_view data) {
     const bool imu = topic.type == "sensor_msgs/msg/Imu", mag = topic.type == "sensor_msgs/msg/MagneticField";
     if (!imu && !mag && topic.type != "sensor_msgs/msg/Temperature") return;
     CdrReader cdr(data);
@@ -149,8 +167,14 @@ class Reader {
       if (imu) topic.streams = {{Quantity::kGyr, from, {}, {}}, {Quantity::kAcc, from, {}, {}}};
       if (!imu) topic.streams = {{mag ? Quantity::kMag : Quantity::kTemp, from, {}, {}}};
     }
-    if (first.allFinite()) topic.streams[0].add(t_ns, first);
-    if (imu && second.allFinite()) topic.streams[1].add(t_ns, second);
+    topic.logged_ns.resize(topic.streams.size());
+    const auto add = [&](std::size_t i, const Vec3& value) {
+      if (!value.allFinite()) return;
+      topic.streams[i].add(t_ns, value);
+      topic.logged_ns[i].push_back(logged_ns);
+    };
+    add(0, first);
+    if (imu) add(1, second);
   }
 
   std::string name_;
