@@ -66,6 +66,7 @@ constexpr Word kSensorWords[] = {{"acc", Quantity::kAcc},
                                  {"w", Quantity::kGyr},
                                  {"g", Quantity::kGyr},
                                  {"angular", Quantity::kGyr},
+                                 {"angularvelocity", Quantity::kGyr},
                                  {"rotationrate", Quantity::kGyr},
                                  {"mag", Quantity::kMag},
                                  {"magn", Quantity::kMag},
@@ -75,7 +76,11 @@ constexpr Word kSensorWords[] = {{"acc", Quantity::kAcc},
                                  {"b", Quantity::kMag},
                                  {"compass", Quantity::kMag}};
 
+/// The first of several has its number behind the word.
 std::optional<Quantity> sensor_word(std::string_view part) {
+  constexpr std::size_t kShortestWord = 3;  // a1, b2 are too little to tell
+  const auto end = part.find_last_not_of("0123456789") + 1;
+  if (end >= kShortestWord) part = part.substr(0, end);
   for (const Word& w : kSensorWords)
     if (w.text == part) return w.quantity;
   return std::nullopt;
@@ -86,9 +91,11 @@ struct Meaning {
   int axis;
 };
 
+/// Not by units that others have too: gauss, and angles.
 std::optional<Quantity> by_unit(const std::string& unit) {
+  const std::string u = plain(unit);
   for (const Quantity q : {Quantity::kAcc, Quantity::kGyr, Quantity::kMag})
-    if (unit != "g" && unit != "G" && factor_of(q, unit) != 0.0) return q;
+    if (u != "g" && u != "rad" && u != "deg" && factor_of(q, unit) != 0.0) return q;
   return std::nullopt;
 }
 
@@ -133,9 +140,11 @@ double factor_of(Quantity quantity, const std::string& unit) {
                                                           {"g", kStandardGravity_mps2},
                                                           {"mg", 1e-3 * kStandardGravity_mps2}},
                                                          {{"rad/s", 1.0},
+                                                          {"rad", 1.0},
                                                           {"rads-1", 1.0},
                                                           {"radps", 1.0},
                                                           {"deg/s", kRadPerDeg},
+                                                          {"deg", kRadPerDeg},
                                                           {"degs-1", kRadPerDeg},
                                                           {"dps", kRadPerDeg},
                                                           {"degps", kRadPerDeg},

@@ -104,13 +104,50 @@ void keep_one_each(std::vector<Stream>& streams, std::vector<std::string>& reaso
   streams = std::move(kept);
 }
 
+/// Sensor Logger's accelerometer has no gravity in it; where TotalAcceleration was not logged, it is the sum of the
+/// two.
+void sum_parts_of_force(std::vector<Table>& tables, std::vector<std::string>& reasons) {
+  constexpr const char* kColumns[] = {"time", "x", "y", "z"};
+  const auto table_of = [&](std::string_view sensor) {
+    return std::find_if(tables.begin(), tables.end(), [&](const Table& t) {
+      return leaf(t.name).rfind(sensor, 0) == 0 &&
+             std::all_of(std::begin(kColumns), std::end(kColumns), [&](const char* c) { return t.find(c) != nullptr; });
+    });
+  };
+  const auto force = table_of("Accelerometer."), gravity = table_of("Gravity.");
+  if (table_of("TotalAcceleration") != tables.end() || force == tables.end() || gravity == tables.end()) return;
+  const Column &t = *force->find("time"), &u = *gravity->find("time");
+  if (t.origin != u.origin || t.values != u.values) {
+    reasons.push_back(fmt::format("{}: no accelerometer: its gravity in {} has other times; log TotalAcceleration",
+                                  force->name, leaf(gravity->name)));
+    return;
+  }
+  for (Column& c : force->columns)
+    if (c.name == "x" || c.name == "y" || c.name == "z")
+      for (std::size_t i = 0; i < c.values.size(); ++i) c.values[i] += gravity->find(c.name)->values[i];
+  const std::string parts = fmt::format("{} + {}", leaf(force->name), leaf(gravity->name));
+  force->name.replace(force->name.size() - leaf(force->name).size(), std::string::npos, "TotalAcceleration = " + parts);
+  reasons.push_back(fmt::format("{}: both have the same times", force->name));
+  tables.erase(gravity);
+}
+
 class Tables {
  public:
   Tables(const std::string& path, const ImportOptions& options) : path_(path), options_(options) {}
 
   Result<Imported> read(const std::vector<NamedText>& files) {
-    for (const NamedText& file : files)
-      if (is_table(file.name)) read_one(file);
+    std::vector<Table> tables;
+    for (const NamedText& file : files) {
+      if (!is_table(file.name)) continue;
+      auto table = parse_table(file.text, file.name);
+      if (table)
+        tables.push_back(std::move(*table));
+      else
+        note(table.error());
+    }
+    if (!options_.map && (options_.preset.empty() || options_.preset == "sensor_logger"))
+      sum_parts_of_force(tables, reasons_);
+    for (const Table& table : tables) read_one(table);
     if (streams_.empty() && first_fault_) return tl::unexpected(*first_fault_);
     keep_one_each(streams_, reasons_);
     auto imported = merge(std::move(streams_), path_);
@@ -120,19 +157,31 @@ class Tables {
 
  private:
   /// In an archive a table that cannot be read, a log of GPS or a note, does no harm.
-  void read_one(const NamedText& file) {
-    const auto table = parse_table(file.text, file.name);
-    if (!table) return note(table.error());
-    const auto streams = read_streams(*table, map_for(*table), reasons_);
+  void read_one(const Table& table) {
+    const ColumnMap map = map_for(table);
+    const auto streams = read_streams(table, map, reasons_);
     if (!streams) return note(streams.error());
     streams_.insert(streams_.end(), streams->begin(), streams->end());
+    name_columns_left(table, map);
+  }
+
+  /// A sensor that is not recognised by its names must not be missed in silence.
+  void name_columns_left(const Table& table, const ColumnMap& map) {
+    const std::string time = map.time.empty() ? time_column(table) : map.time;
+    std::vector<std::string> left;
+    for (const Column& c : table.columns) {
+      const bool taken = std::any_of(map.sensors.begin(), map.sensors.end(), [&](const SensorColumns& s) {
+        return table.name.find(s.table) != std::string::npos &&
+               std::find(s.columns.begin(), s.columns.end(), c.name) != s.columns.end();
+      });
+      if (!taken && c.name != time && c.numbers > 0) left.push_back(c.name);
+    }
+    if (!left.empty()) reasons_.push_back(fmt::format("{}: not taken: {}", table.name, fmt::join(left, ", ")));
   }
 
   void note(const Error& error) {
-    if (!first_fault_)
-      first_fault_ = error;
-    else
-      reasons_.push_back("not used: " + error.message);
+    if (!first_fault_) first_fault_ = error;
+    reasons_.push_back("not used: " + error.message);
   }
 
   ColumnMap map_for(const Table& table) {

@@ -225,7 +225,10 @@ Result<std::vector<Stream>> read_streams(const Table& table, const ColumnMap& ma
     if (table.name.find(wanted.table) == std::string::npos) continue;
     auto s = raw_stream(table, **time, *unit_ns, wanted);
     if (!s) return tl::unexpected(s.error());
-    if (s->values.empty()) continue;
+    if (s->values.empty()) {
+      why.push_back(fmt::format("not used: {}: no row has all of these", s->from));
+      continue;
+    }
     if (wanted.quantity != Quantity::kTemp)  // before gravity is compared: the accelerometer is turned already
       for (Vec3& v : s->values) v = map.R_body_sensor * v;
     put_in_order(*s, why);  // neighbours of a jump in time would turn gravity by nothing that was measured
