@@ -84,13 +84,6 @@ ColumnMap part_of(const TablePreset& preset, const Table& table) {
   return part;
 }
 
-bool is_table(const std::string& file) {
-  const std::string name = leaf(file);
-  const auto dot = name.rfind('.');
-  const std::string end = dot == std::string::npos ? "" : name.substr(dot);
-  return end != ".json" && end != ".jpg" && end != ".png" && end != ".mp4" && end != ".m4a";
-}
-
 /// One stream a quantity: of several the one whose table's name promises raw readings.
 void keep_one_each(std::vector<Stream>& streams, std::vector<std::string>& reasons) {
   std::vector<Stream> kept;
@@ -131,6 +124,27 @@ void sum_parts_of_force(std::vector<Table>& tables, std::vector<std::string>& re
   tables.erase(gravity);
 }
 
+/// The preset of a log; empty: a table, or nothing that is known.
+std::string_view log_kind(const NamedText& file) {
+  return is_ulog(file.text) ? "px4" : is_mcap(file.text) ? "ros2" : "";
+}
+
+std::string what_it_is(const NamedText& file) {
+  for (const Preset& p : presets())
+    if (p.name == log_kind(file)) return fmt::format("it is {} (--preset {})", p.about, p.name);
+  const auto table = parse_table(file.text, file.name);
+  if (!table) return "it is no table either: " + table.error().message;
+  for (const TablePreset& p : table_presets())
+    if (!part_of(p, *table).sensors.empty()) return fmt::format("it is of {} (--preset {})", p.about, p.name);
+  std::vector<std::string> names;
+  for (const Column& c : table->columns) names.push_back(c.name);
+  return fmt::format("it is a table with the columns {}; import it without --preset", fmt::join(names, ", "));
+}
+
+Error other_kind(const NamedText& file, const std::string& preset) {
+  return {ErrorKind::kBadData, fmt::format("{}: not what --preset {} reads; {}", file.name, preset, what_it_is(file))};
+}
+
 class Tables {
  public:
   Tables(const std::string& path, const ImportOptions& options) : path_(path), options_(options) {}
@@ -138,7 +152,6 @@ class Tables {
   Result<Imported> read(const std::vector<NamedText>& files) {
     std::vector<Table> tables;
     for (const NamedText& file : files) {
-      if (!is_table(file.name)) continue;
       auto table = parse_table(file.text, file.name);
       if (table)
         tables.push_back(std::move(*table));
@@ -149,6 +162,7 @@ class Tables {
       sum_parts_of_force(tables, reasons_);
     for (const Table& table : tables) read_one(table);
     if (streams_.empty() && first_fault_) return tl::unexpected(*first_fault_);
+    if (streams_.empty() && !options_.preset.empty()) return tl::unexpected(other_kind(files.front(), options_.preset));
     keep_one_each(streams_, reasons_);
     auto imported = merge(std::move(streams_), path_);
     if (imported) imported->reasons.insert(imported->reasons.begin(), reasons_.begin(), reasons_.end());
@@ -159,6 +173,7 @@ class Tables {
   /// In an archive a table that cannot be read, a log of GPS or a note, does no harm.
   void read_one(const Table& table) {
     const ColumnMap map = map_for(table);
+    if (map.sensors.empty() && !options_.preset.empty()) return;
     const auto streams = read_streams(table, map, reasons_);
     if (!streams) return note(streams.error());
     streams_.insert(streams_.end(), streams->begin(), streams->end());
@@ -220,22 +235,25 @@ Result<Imported> import_recording(const std::string& path, const ImportOptions& 
   const auto files = read_unpacked(path);
   if (!files) return tl::unexpected(files.error());
   if (files->empty()) return fail(ErrorKind::kNoInput, path + ": no file in it");
-  for (const NamedText& file : *files) {
-    const bool ulog = is_ulog(file.text), mcap = is_mcap(file.text);
-    if (options.map || (!ulog && !mcap)) continue;
-    std::vector<std::string> reasons;
-    auto streams =
-        ulog ? read_ulog(file.text, file.name, reasons) : read_mcap(file.text, file.name, options.topic, reasons);
-    if (!streams) return tl::unexpected(streams.error());
-    auto imported = merge(std::move(*streams), file.name);
-    if (imported) imported->reasons.insert(imported->reasons.begin(), reasons.begin(), reasons.end());
-    return imported;
-  }
   if (files->front().text.rfind("SQLite format 3", 0) == 0)
     return fail(ErrorKind::kBadData,
                 path + ": a ROS 2 bag in SQLite; convert it with `ros2 bag convert` to storage_id mcap");
   if (files->front().text.rfind("#ROSBAG V2", 0) == 0)
     return fail(ErrorKind::kBadData, path + ": a ROS 1 bag; convert it with `rosbags-convert` to a ROS 2 bag in MCAP");
+  const std::string& preset = options.preset;
+  const std::string_view wanted = preset == "px4" || preset == "ros2" ? std::string_view(preset) : "";
+  const auto fits = [&](const NamedText& file) { return preset.empty() || log_kind(file) == wanted; };
+  if (std::none_of(files->begin(), files->end(), fits)) return tl::unexpected(other_kind(files->front(), preset));
+  for (const NamedText& file : *files) {
+    if (options.map || log_kind(file).empty() || !fits(file)) continue;
+    std::vector<std::string> reasons;
+    auto streams = is_ulog(file.text) ? read_ulog(file.text, file.name, reasons)
+                                      : read_mcap(file.text, file.name, options.topic, reasons);
+    if (!streams) return tl::unexpected(streams.error());
+    auto imported = merge(std::move(*streams), file.name);
+    if (imported) imported->reasons.insert(imported->reasons.begin(), reasons.begin(), reasons.end());
+    return imported;
+  }
   return Tables(path, options).read(*files);
 }
 

@@ -83,9 +83,12 @@ Member read_member(Bytes& directory) {
   return m;
 }
 
+/// No member of macOS, nothing hidden, and no picture or film: a data set has thousands of them.
 bool wanted(const std::string& name) {
   const std::string leaf = name.substr(name.rfind('/') + 1);
-  return !leaf.empty() && leaf[0] != '.' && name.rfind("__MACOSX", 0) != 0;
+  const std::string end = fs::path(leaf).extension();
+  const bool none = end == ".json" || end == ".jpg" || end == ".png" || end == ".mp4" || end == ".m4a";
+  return !leaf.empty() && leaf[0] != '.' && !none && name.rfind("__MACOSX", 0) != 0;
 }
 
 Result<std::string> unpack_member(const std::string& archive, const Member& m, const std::string& name) {
@@ -140,8 +143,14 @@ Result<std::vector<NamedText>> read_unpacked(const std::string& path) {
   std::error_code unknown;
   std::vector<std::string> files;
   if (fs::is_directory(path, unknown)) {
-    for (const auto& entry : fs::directory_iterator(path, unknown))
-      if (entry.is_regular_file(unknown) && wanted(entry.path().filename())) files.push_back(entry.path());
+    constexpr int kDeepest = 4;  // a data set's folder of sequences, mav0/imu0/data.csv
+    std::error_code over;
+    fs::recursive_directory_iterator at(path, fs::directory_options::skip_permission_denied, over);
+    for (; !over && at != fs::recursive_directory_iterator(); at.increment(over)) {
+      const bool hidden = !wanted(at->path().filename());
+      if (hidden || at.depth() >= kDeepest) at.disable_recursion_pending();
+      if (!hidden && at->is_regular_file(unknown)) files.push_back(at->path());
+    }
     std::sort(files.begin(), files.end());
   } else {
     files.push_back(path);

@@ -12,8 +12,9 @@ struct NamedText {
   std::string text;
 };
 
-/// The file, or its members, unpacked; of a folder the files right inside it. Members of macOS, hidden ones and
-/// folders are left out. Fails with 66 (not there) or 65 (damaged, encrypted, or more than 4 GB unpacked).
+/// The file, or its members, unpacked; of a folder the files in it and in four levels of folders below. Members of
+/// macOS, hidden ones, pictures and films are left out. Fails with 66 (not there) or 65 (damaged, encrypted, or more
+/// than 4 GB unpacked).
 [[nodiscard]] Result<std::vector<NamedText>> read_unpacked(const std::string& path);
 
 /// What a gzip stream holds.

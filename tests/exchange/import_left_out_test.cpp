@@ -68,5 +68,34 @@ TEST(LeftOut, SensorLoggersGravityAndTheRestAreSummed) {
   EXPECT_THAT(all(apart.reasons), HasSubstr("no accelerometer: its gravity in Gravity.csv has other times"));
 }
 
+TEST(LeftOut, APresetOfAnotherKindOfFileIsRefusedByWhatTheFileIs) {
+  const auto truth = test::hand();
+  const auto refused = [](const std::string& path, const std::string& preset) {
+    return test::refusal(path, {preset, std::nullopt, ""});
+  };
+  const auto plain = file("plain.csv", table_of(truth, "t,ax,ay,az,wx,wy,wz", 1.0));
+  for (const char* preset : {"px4", "ros2", "kalibr"})
+    EXPECT_THAT(refused(plain, preset),
+                HasSubstr(fmt::format("not what --preset {} reads; it is a table with the columns t, ax", preset)));
+  const auto flight = file("flight2.ulg", test::ulog(truth));
+  for (const char* preset : {"ros2", "kalibr"}) EXPECT_THAT(refused(flight, preset), HasSubstr("(--preset px4)"));
+  EXPECT_EQ(read(flight, {"px4", std::nullopt, ""}).recording.size(), truth.size());
+}
+
+TEST(LeftOut, FoldersInAFolderAreRead) {
+  const auto truth = test::hand();
+  const std::string folder = test::scratch("dataset");
+  std::filesystem::create_directories(folder + "/mav0/imu0");
+  std::filesystem::create_directories(folder + "/.git");
+  const std::string text = table_of(truth, "time_s,ax,ay,az,gyr_x_radps,gyr_y_radps,gyr_z_radps", 1.0);
+  std::ofstream(folder + "/mav0/imu0/data.csv") << text;
+  std::ofstream(folder + "/.git/other.csv") << text;
+  std::ofstream(folder + "/mav0/1.png") << "picture";
+  const auto imported = read(folder);
+  EXPECT_EQ(imported.recording.size(), truth.size());
+  EXPECT_THAT(all(imported.reasons), Not(HasSubstr("other.csv")));
+  EXPECT_THAT(all(imported.reasons), Not(HasSubstr("1.png")));
+}
+
 }  // namespace
 }  // namespace stillpoint::exchange
