@@ -33,12 +33,13 @@ std::string each_in_its_own_row(const std::string& shared) {
     std::vector<std::string> fields;
     std::istringstream cells(line);
     for (std::string cell; std::getline(cells, cell, ',');) fields.push_back(cell);
-    if (fields.front() == "time_s") {
-      out << "time_s,acc_x_mps2,acc_y_mps2,acc_z_mps2,gyr_x_radps,gyr_y_radps,gyr_z_radps,mag_x_uT,mag_y_uT,mag_z_uT\n";
+    if (fields.front() == "time_ns") {
+      out << "time_ns,acc_x_mps2,acc_y_mps2,acc_z_mps2,gyr_x_radps,gyr_y_radps,gyr_z_radps,mag_x_uT,mag_y_uT,mag_z_"
+             "uT\n";
       continue;
     }
     for (std::size_t sensor = 0; sensor < 3; ++sensor) {
-      out << std::stod(fields[0]) + 0.002 * static_cast<double>(sensor);
+      out << std::stoll(fields[0]) + 2'000'000 * static_cast<long long>(sensor);
       for (std::size_t k = 0; k < 9; ++k) out << ',' << (k / 3 == sensor ? fields[1 + k] : "");
       out << '\n';
     }
@@ -59,7 +60,7 @@ TEST_F(CalibrateRows, SensorsInRowsOfTheirOwnTeachWhatSharedRowsTeach) {
     ASSERT_NE(same, apart.end()) << name;
     EXPECT_NEAR(same->second, taken, 0.1 * taken + 2) << name;
   }
-  EXPECT_GT(shared.at("gyroscope, matrix"), 10);
+  EXPECT_GT(shared.at("gyroscope, matrix"), 5);
   EXPECT_GT(shared.at("magnetometer, iron and matrix"), 30);
 }
 
