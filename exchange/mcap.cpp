@@ -18,8 +18,6 @@ constexpr std::string_view kMagic("\x89MCAP0\r\n", 8);
 constexpr std::size_t kLargestChunk_bytes = std::size_t{1} << 30;
 constexpr std::size_t kTightest = 40000;  // zstd: a block of 128 KB out of four bytes
 
-constexpr std::uint64_t kLatest_ns = 4'600'000'000'000'000'000;  // the difference of any two times fits
-
 enum Opcode : std::uint8_t { kFooter = 2, kSchema = 3, kChannel = 4, kMessage = 5, kChunk = 6, kDataEnd = 15 };
 
 Result<std::string> unpacked(std::string_view packed, const std::string& how, std::size_t size,
@@ -122,7 +120,7 @@ class Reader {
     } else if (opcode == kMessage) {
       const auto id = b.number<std::uint16_t>();
       b.skip(4);  // sequence
-      const auto logged_ns = static_cast<std::int64_t>(std::min(b.number<std::uint64_t>(), kLatest_ns));
+      const auto logged_ns = static_cast<std::int64_t>(std::min<std::uint64_t>(b.number<std::uint64_t>(), kLatest_ns));
       if (const auto topic = topics_.find(id); topic != topics_.end() && body.size() > 22)
         message(topic->second, logged_ns, body.substr(22));
     } else if (opcode == kChunk) {

@@ -10,7 +10,6 @@
 namespace stillpoint::exchange {
 namespace {
 
-constexpr std::int64_t kLongest_ns = 4'600'000'000'000'000'000;  // that a recording's reader takes
 constexpr double kYear_s = 365.25 * 86400.0;
 
 Result<void> expect_overlap(const std::vector<Stream>& streams, const std::string& name) {
@@ -73,7 +72,7 @@ Result<Imported> merge(std::vector<Stream> streams, const std::string& file) {
   if (auto overlap = expect_overlap(streams, file); !overlap) return tl::unexpected(overlap.error());
   std::sort(times.begin(), times.end());
   times.erase(std::unique(times.begin(), times.end()), times.end());
-  if (times.front() < times.back() - kLongest_ns)
+  if (times.front() < times.back() - kLatest_ns)
     return fail(ErrorKind::kBadData,
                 fmt::format("{}: its times span {:.0f} years; are they in the unit that was taken?", file,
                             1e-9 / kYear_s * static_cast<double>(times.back() - times.front())));

@@ -96,6 +96,7 @@ CalibrationRun calibrate(const io::Recording& recording, calib::OnlineCalibrator
   pipeline::GuardStage guard(usual);
   pipeline::AssembleStage assemble(usual.late_s, calibrator.snapshot().gyr);  // sensors may have rows of their own
   Progress progress("calibrating");
+  std::size_t last_row = 0;  // that gave a sample
   for (std::size_t row = 0; row < recording.size(); ++row) {
     if (row % 4096 == 0) progress.at(static_cast<double>(row) / static_cast<double>(recording.size()));
     pipeline::GuardedSample as_read, joined;
@@ -108,8 +109,8 @@ CalibrationRun calibrate(const io::Recording& recording, calib::OnlineCalibrator
     };
     if (const auto turn = turns.push(joined.sample, joined.clipped, calibrator.snapshot(), joined.mag_turn_rad))
       note_if(calibrator.absorb(*turn));
-    const double step_s = row > 0 ? recording.t_s(row) - recording.t_s(row - 1) : 0.0;
-    run.refused_s[std::string(calib::name(detector.last_refusal()))] += step_s;
+    run.refused_s[std::string(calib::name(detector.last_refusal()))] += recording.t_s(row) - recording.t_s(last_row);
+    last_row = row;
     if (!window) continue;
     if (window->has != 0) run.windows.push_back(*window);
     note_if(calibrator.absorb(*window));

@@ -11,7 +11,7 @@
 #include "core/so3.h"
 #include "diagnosis/foreign/clocks.h"
 #include "diagnosis/median.h"
-#include "diagnosis/sanity/rows.h"
+#include "diagnosis/sanity/comparison.h"
 
 namespace stillpoint::diag {
 namespace {
@@ -47,13 +47,10 @@ Course turning_of_reference(const io::Recording& r) {
   std::vector<double> at;
   std::optional<std::size_t> last;
   for (std::size_t i = 0; i < r.ref_q_world_body.size(); ++i) {
+    const auto attitude = [&r](std::size_t k) { return detail::as_expected(r.ref_q_world_body[k]); };
     if (!r.ref_q_world_body[i].allFinite()) continue;
-    const auto turn = [&r](std::size_t k) {
-      const Eigen::Vector4d& q = r.ref_q_world_body[k];
-      return Quat(q[0], q[1], q[2], q[3]).normalized();
-    };
     if (const double step = last ? r.t_s(i) - r.t_s(*last) : 0.0; step > 0.0 && step < kLongestStep_s) {
-      rate.push_back(log_quat(turn(*last).conjugate() * turn(i)) / step);
+      rate.push_back(log_quat(attitude(*last).conjugate() * attitude(i)) / step);
       at.push_back(0.5 * (r.t_s(i) + r.t_s(*last)) - r.t_s(0));
     }
     last = i;
@@ -207,7 +204,7 @@ void add_reference(const io::Recording& log, const Course& recording, const Cloc
     std::size_t row = 0;
     while (row + 1 < log.size() && log.t_s(row) - log.t_s(0) < t0) ++row;
     const Eigen::Vector4d& g = log.ref_q_world_body[row];
-    if (g.allFinite()) q = Quat(g[0], g[1], g[2], g[3]).normalized();
+    if (g.allFinite()) q = detail::as_expected(g);
   } else if (out.reading[kAcc].rows() > 0) {
     q = Quat::FromTwoVectors(Vec3(out.reading[kAcc].topRows(std::min<Eigen::Index>(20, w.rows())).colwise().mean()),
                              Vec3::UnitZ());

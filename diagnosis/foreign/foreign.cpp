@@ -5,6 +5,7 @@
 
 #include "diagnosis/reference/given_effects.h"
 #include "diagnosis/reference/with_reference.h"
+#include "diagnosis/sanity/comparison.h"
 #include "diagnosis/sanity/rows_with_reference.h"
 #include "diagnosis/sanity/sensor_rows.h"
 
@@ -20,7 +21,7 @@ Vec3 field_of(const AlignedLog& log) {
     const Vec3 reads = log.reading[kMag].row(static_cast<Eigen::Index>(i));
     if (!q.allFinite() || !reads.allFinite() || log.outside[i]) continue;
     Eigen::Matrix<double, 3, 6> row;
-    row << Quat(q[0], q[1], q[2], q[3]).normalized().conjugate().toRotationMatrix(), Mat3::Identity();
+    row << detail::as_expected(q).conjugate().toRotationMatrix(), Mat3::Identity();
     G += row.transpose() * row;
     g += row.transpose() * reads;
   }

@@ -7,6 +7,7 @@
 #include "core/so3.h"
 #include "diagnosis/certainty.h"
 #include "diagnosis/reference/apparatus.h"
+#include "diagnosis/sanity/comparison.h"
 
 namespace stillpoint::diag {
 namespace {
@@ -50,10 +51,7 @@ Measured measure(const Signals& s, const io::Recording& r) {
     const auto begin = static_cast<std::size_t>(first), end = static_cast<std::size_t>(last);
     if (end - begin < least) return;
     std::vector<Vec3> turns, places;
-    const auto at = [&](std::size_t i) {
-      const Eigen::Vector4d& q = r.ref_q_world_body[i];
-      return Quat(q[0], q[1], q[2], q[3]).normalized();
-    };
+    const auto at = [&](std::size_t i) { return detail::as_expected(r.ref_q_world_body[i]); };
     for (std::size_t i = begin; i < end; ++i) {
       turns.push_back(log_quat(at(begin).conjugate() * at(i)));
       if (s.has_position && r.ref_position_m[i].allFinite()) places.push_back(r.ref_position_m[i]);

@@ -16,17 +16,18 @@
 
 namespace stillpoint::test {
 
-/// 20 s in the hand at 100 Hz.
-inline std::vector<RawSample> hand() {
+/// 20 s at 100 Hz of a motion that the simulator knows.
+inline std::vector<RawSample> moved(const std::string& kind) {
   sim::SimulationConfig config;
   config.accelerometer = sim::TriadConfig{.noise_sd = 0.02};
   config.gyroscope = sim::TriadConfig{.noise_sd = 0.001};
   config.magnetometer = sim::TriadConfig{.noise_sd = 0.3};
-  config.motion = sim::MotionConfig{.kind = "hand", .duration_s = 20.0};
+  config.motion = sim::MotionConfig{.kind = kind, .duration_s = 20.0};
   std::vector<RawSample> out;
   for (const auto& row : sim::simulate(config, 1)) out.push_back(row.sample);
   return out;
 }
+inline std::vector<RawSample> hand() { return moved("hand"); }
 
 /// A table of time and vectors; each value goes through `factor` on the way.
 struct Written {

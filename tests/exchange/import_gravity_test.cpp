@@ -17,15 +17,7 @@ using testing::HasSubstr;
 using testing::Not;
 
 /// Turned about all axes, hardly moved.
-std::vector<RawSample> tumbled() {
-  sim::SimulationConfig config;
-  config.accelerometer = sim::TriadConfig{.noise_sd = 0.02};
-  config.gyroscope = sim::TriadConfig{.noise_sd = 0.001};
-  config.motion = sim::MotionConfig{.kind = "tumble", .duration_s = 20.0};
-  std::vector<RawSample> out;
-  for (const auto& row : sim::simulate(config, 1)) out.push_back(row.sample);
-  return out;
-}
+std::vector<RawSample> tumbled() { return test::moved("tumble"); }
 
 Imported named(const std::vector<RawSample>& samples, const char* unit, double factor) {
   const std::string header = fmt::format("t,ax,ay,az,gyr_x_{0},gyr_y_{0},gyr_z_{0}", unit);

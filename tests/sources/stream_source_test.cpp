@@ -76,6 +76,17 @@ TEST(StreamSource, ASerialLineIsReadUnpluggedAndFoundAgain) {
   close(sensor);
 }
 
+/// A FIFO's end to write to, once the stream has opened the other; negative: it never has.
+int writer_of(const std::string& fifo, StreamSource& stream) {
+  int fd = -1;
+  Arrival out;
+  for (int k = 0; k < 50 && fd < 0; ++k) {
+    stream.next(out);
+    fd = open(fifo.c_str(), O_WRONLY | O_NONBLOCK);
+  }
+  return fd;
+}
+
 TEST(StreamSource, AFifoIsReadWriterAfterWriter) {
   const ScratchFolder folder;
   const std::string path = folder / "fifo";
@@ -84,11 +95,7 @@ TEST(StreamSource, AFifoIsReadWriterAfterWriter) {
   Arrival out;
   EXPECT_EQ(stream.next(out), SourceState::kNothing);
   for (int writer = 0; writer < 3; ++writer) {
-    int fd = -1;
-    for (int k = 0; k < 50 && fd < 0; ++k) {
-      stream.next(out);
-      fd = open(path.c_str(), O_WRONLY | O_NONBLOCK);
-    }
+    const int fd = writer_of(path, stream);
     ASSERT_GE(fd, 0);
     send(fd, std::string(kHeader) + std::to_string(10 * writer + 10) + ",0,0,9.8\n");
     ASSERT_TRUE(eventually_sample(stream, out)) << writer;
@@ -103,11 +110,7 @@ TEST(StreamSource, LinesThatAreNoReadingsAreToldWhileTheyCome) {
   ASSERT_EQ(mkfifo(path.c_str(), 0600), 0);
   StreamSource stream = source(from(path));
   Arrival out;
-  int fd = -1;
-  for (int k = 0; k < 50 && fd < 0; ++k) {
-    stream.next(out);
-    fd = open(path.c_str(), O_WRONLY | O_NONBLOCK);
-  }
+  const int fd = writer_of(path, stream);
   ASSERT_GE(fd, 0);
   for (int k = 0; k < 100; ++k) {
     send(fd, "1,0,0,9.8\n");
