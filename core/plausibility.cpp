@@ -36,6 +36,8 @@ constexpr int kTurnsInARow = 2;
 constexpr double kGauss_low = 0.15, kGauss_high = 1.0;
 constexpr double kUTAsGauss_low = 2200.0, kNanoTesla_low = 15'000.0, kNanoTesla_high = 100'000.0;
 constexpr double kFieldMoves = 1.3;  // 95 % over 5 %
+// A field of such a size that turns and keeps its norm is no iron's, which turns with the body.
+constexpr double kMilliGauss_low = 200.0, kMilliGauss_high = 700.0;
 
 // Time and repeats.
 constexpr double kSlowestStep_s = 0.7, kFastestStep_s = 2e-5;
@@ -115,6 +117,11 @@ void PlausibilityCheck::push_part(Part& part, const Array3& reading, std::int64_
   } else {
     part.window_start_ns = t_ns;
   }
+  if (part.norms.count() == 0) part.least = part.most = reading;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    part.least[axis] = std::min(part.least[axis], reading[axis]);
+    part.most[axis] = std::max(part.most[axis], reading[axis]);
+  }
   part.norms.add(vec(reading).norm());
   part.last = reading;
   part.last_ns = t_ns;
@@ -165,7 +172,10 @@ void PlausibilityCheck::judge_window(Part& part, SamplePart kind, std::int64_t t
   const double median = part.norms.quantile(0.5);
   const double low = part.norms.quantile(0.05), high = part.norms.quantile(0.95);
   const auto judge = [&](bool odd, bool right, Oddity oddity, Mistake mistake) {
-    part.odd_windows = odd ? std::max(0, part.odd_windows) + 1 : right ? std::min(0, part.odd_windows) - 1 : 0;
+    if (odd)
+      part.odd_windows = std::max(0, part.odd_windows) + 1;
+    else if (right || kind != kMag)  // a field that does not turn says nothing of mG, and what was seen stays
+      part.odd_windows = right ? std::min(0, part.odd_windows) - 1 : 0;
     if (part.odd_windows >= kWindowsInARow) find(oddity, mistake, median, t_ns);
     if (part.odd_windows <= -kWindowsInARow) clear(oddity);
   };
@@ -188,7 +198,11 @@ void PlausibilityCheck::judge_window(Part& part, SamplePart kind, std::int64_t t
     if (median > 1.5e-5 && median < 1e-4) mistake = Mistake::kTeslaAsUT;
     if (median > kUTAsGauss_low && median < 7000.0 && high > kFieldMoves * low) mistake = Mistake::kUTAsGauss;
     if (median > kNanoTesla_low && median < kNanoTesla_high) mistake = Mistake::kNanoTeslaAsUT;
-    judge(mistake != Mistake::kNone, median > kGauss_high && median < kUTAsGauss_low, Oddity::kMagScale, mistake);
+    const bool may_be_milli_gauss = median > kMilliGauss_low && median < kMilliGauss_high;
+    const double turned = (vec(part.most) - vec(part.least)).maxCoeff();
+    if (may_be_milli_gauss && high < kFieldMoves * low && turned > median) mistake = Mistake::kMilliGaussAsUT;
+    const bool right = median > kGauss_high && median < kUTAsGauss_low && !may_be_milli_gauss;
+    judge(mistake != Mistake::kNone, right, Oddity::kMagScale, mistake);
   }
   if (kind == kMag) return;  // many drivers hold a slow magnetometer's readings
   const double share = static_cast<double>(part.repeats) / part.norms.count();

@@ -43,6 +43,7 @@ enum class Mistake : std::uint8_t {
   kTeslaAsUT,
   kUTAsGauss,
   kNanoTeslaAsUT,
+  kMilliGaussAsUT,
   kMsAsS,
   kUsAsS,
   kSAsMs,
@@ -76,7 +77,7 @@ class PlausibilityCheck {
  private:
   /// Of one sensor. A window is four seconds, and not fewer than fifty readings.
   struct Part {
-    Array3 last{};
+    Array3 last{}, least{}, most{};  ///< `least` and `most`: of each axis in this window
     std::int64_t last_ns = 0, window_start_ns = 0;
     LogHistogram norms, steps;
     std::uint32_t repeats = 0, same_time = 0, backward = 0;

@@ -35,6 +35,8 @@ const char* likely(Mistake mistake) {
       return "likely uT given as gauss: name the columns mag_x_uT ...";
     case Mistake::kNanoTeslaAsUT:
       return "likely nT given as uT";
+    case Mistake::kMilliGaussAsUT:
+      return "likely mG given as uT: divide by 10";
     case Mistake::kMsAsS:
       return "likely ms given as s: name the column time_ms";
     case Mistake::kUsAsS:

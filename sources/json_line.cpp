@@ -92,10 +92,8 @@ class Scanner {
         return object(depth + 1);
       case '[':
         return array(depth + 1);
-      case '"': {
-        std::string_view ignored;
-        return string(ignored);
-      }
+      case '"':
+        return number_in_quotes();
       case 't':
         return word("true");
       case 'f':
@@ -105,6 +103,19 @@ class Scanner {
       default:
         return number();
     }
+  }
+
+  /// Loggers of phones write every value as a string. A text that is no number is passed over.
+  bool number_in_quotes() noexcept {
+    std::string_view text;
+    if (!string(text)) return false;
+    const char* const end = text.data() + text.size();
+    double x = 0.0;
+    const bool begins_as_one = !text.empty() && (text[0] == '-' || (text[0] >= '0' && text[0] <= '9'));
+    if (const auto [stop, code] = std::from_chars(text.data(), end, x);
+        begins_as_one && stop == end && code == std::errc{})
+      on_number_({path_.data(), length_}, x);
+    return true;
   }
 
   bool number() noexcept {

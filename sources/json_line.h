@@ -19,8 +19,8 @@ class OnNumber {
   void (*call_)(void*, std::string_view, double);
 };
 
-/// Calls `on_number` for each number; names of inner objects and places in arrays are joined with dots: "imu.acc.0".
-/// False: the line is no whole JSON object, or nested deeper than eight levels.
+/// Calls `on_number` for each number, in quotes or not; names of inner objects and places in arrays are joined with
+/// dots: "imu.acc.0". False: the line is no whole JSON object, or nested deeper than eight levels.
 [[nodiscard]] bool for_each_number_of(std::string_view line, const OnNumber& on_number) noexcept;
 
 template <class F>

@@ -201,7 +201,7 @@ Piece LineFormat::parse_csv(std::string_view line, Reading& out) const noexcept 
     double value = 0.0;
     const bool wanted = n < by_position_.size() && by_position_[n];
     if (!wanted) continue;
-    if (!parse_number(text, value)) return Piece::kMalformed;
+    if (!parse_number(unquoted(text), value)) return Piece::kMalformed;
     row.put(*by_position_[n], value);
   }
   if (n < by_position_.size()) return Piece::kMalformed;

@@ -102,7 +102,9 @@ std::vector<std::string> SourceWatch::news(std::span<const Finding> findings) {
     trouble_ = what;
   }
   if (report_ != nullptr && told_.link != LinkState::kThere)
-    trouble_ = told_.error.view().empty() ? "no sensor yet" : io::printable(told_.error.view());
+    trouble_ = !told_.error.view().empty()      ? io::printable(told_.error.view())
+               : told_.link == LinkState::kGone ? "the sensor is gone; it is waited for"
+                                                : "no sensor yet";
   return lines;
 }
 

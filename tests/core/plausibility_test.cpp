@@ -91,6 +91,17 @@ TEST(Plausibility, AWrongUnitIsNamedWithinTenSeconds) {
   }
 }
 
+/// 480 mG look like iron of 480 uT as long as nothing turns; iron turns with the body.
+TEST(Plausibility, MilliGaussAsMicroTeslaIsNamedOnceTheFieldTurnsAndIronIsNot) {
+  const auto found = findings(30.0, [](RawSample& s) { scale(s.mag_uT, 10.0); });
+  ASSERT_EQ(found.size(), 1U);
+  EXPECT_EQ(found[0].oddity, Oddity::kMagScale);
+  EXPECT_EQ(found[0].mistake, Mistake::kMilliGaussAsUT);
+  for (const double iron_uT : {150.0, 200.0, 250.0, 400.0, 600.0})
+    for (std::size_t axis = 0; axis < 3; ++axis)
+      EXPECT_TRUE(findings(300.0, [=](RawSample& s) { s.mag_uT[axis] += iron_uT; }).empty()) << iron_uT;
+}
+
 /// A finding stands while the sensor rests or lies still, and until its readings have been right for a while.
 TEST(Plausibility, AFindingStandsUntilTheReadingsAreRight) {
   const Wrong all[] = {
@@ -98,6 +109,7 @@ TEST(Plausibility, AFindingStandsUntilTheReadingsAreRight) {
       {"gyr", Oddity::kGyrScale, Mistake::kDegpsAsRadps, [](RawSample& s) { scale(s.gyr_radps, kDegPerRad); }},
       {"gyr silent", Oddity::kGyrSilent, Mistake::kRadpsAsDegps, [](RawSample& s) { scale(s.gyr_radps, kRadPerDeg); }},
       {"mag", Oddity::kMagScale, Mistake::kGaussAsUT, [](RawSample& s) { scale(s.mag_uT, 0.01); }},
+      {"mag in mG", Oddity::kMagScale, Mistake::kMilliGaussAsUT, [](RawSample& s) { scale(s.mag_uT, 10.0); }},
       {"temp", Oddity::kTempScale, Mistake::kKelvinAsDegC, [](RawSample& s) { s.temp_degC += 273.15; }},
       {"dead", Oddity::kTempDead, Mistake::kNone, [](RawSample& s) { s.temp_degC = 0.0; }}};
   for (const Wrong& wrong : all) {

@@ -45,6 +45,15 @@ TEST_F(SourceWatchTest, TellsAnErrorThatWasReadBeforeItsFailureWasCounted) {
   EXPECT_THAT(news_of(LinkState::kGone, 1, "pulled"), ElementsAre("source: pulled; it is tried again"));
 }
 
+TEST_F(SourceWatchTest, ASensorThatWasThereIsGoneAndNotOneThatNeverCame) {
+  news_of(LinkState::kNeverThere, 0, "");
+  EXPECT_EQ(watch_.trouble(), "no sensor yet");
+  news_of(LinkState::kThere, 0, "");
+  EXPECT_EQ(watch_.trouble(), "");
+  news_of(LinkState::kGone, 0, "");
+  EXPECT_EQ(watch_.trouble(), "the sensor is gone; it is waited for");
+}
+
 TEST_F(SourceWatchTest, TellsEachTimeThatASenderBeganAnew) {
   sources::SourceReport now;
   report_->store(now);

@@ -103,6 +103,19 @@ TEST(Line, JsonMayNameTheAxesInAnInnerObject) {
   EXPECT_DOUBLE_EQ(r.sample.acc_mps2[1], 0.5 * kStandardGravity_mps2);
 }
 
+TEST(Line, NumbersMayStandInQuotes) {
+  Reading r;
+  ASSERT_EQ(LineFormat({}).parse(R"({"time_ns": "1500", "acc_g": ["0", "-5e-1", "1"], "device": "7b", "id": ""})", r),
+            Piece::kReading);
+  EXPECT_TRUE(r.has_time);
+  EXPECT_EQ(r.sample.t_ns, 1500);
+  EXPECT_DOUBLE_EQ(r.sample.acc_mps2[1], -0.5 * kStandardGravity_mps2);
+  LineFormat rows({});
+  ASSERT_TRUE(rows.use_header(R"("acc_x_g","acc_y_g","acc_z_g")"));
+  ASSERT_EQ(rows.parse(R"("0","0.5","1")", r), Piece::kReading);
+  EXPECT_DOUBLE_EQ(r.sample.acc_mps2[1], 0.5 * kStandardGravity_mps2);
+}
+
 TEST(Line, JsonHoldsReadingsFlatNestedOrInArrays) {
   Reading r;
   const LineFormat plain({});
