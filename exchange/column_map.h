@@ -38,6 +38,8 @@ struct ColumnMap {
 /// The unit in a column's name, in brackets or as its last part; empty without one.
 [[nodiscard]] std::string unit_in(const std::string& column);
 
+/// How much a column's name says that it is the time; 0: nothing.
+[[nodiscard]] int rank_as_time(const std::string& name);
 /// The column that is the time, by its name; empty without one.
 [[nodiscard]] std::string time_column(const Table& table);
 

@@ -187,18 +187,21 @@ std::string unit_in(const std::string& column) {
   return time_factor_ns(last) != 0.0 ? last : "";
 }
 
+int rank_as_time(const std::string& name) {
+  const std::string p = plain(name.substr(0, name.find('[')));
+  int rank = 0;
+  if (p == "t" || p == "ts" || p == "sec" || p == "secondselapsed") rank = 1;
+  if (p.find("time") != std::string::npos) rank = 2;
+  if (p == "time" || p.find("timestamp") != std::string::npos) rank = 3;
+  return rank > 0 && !unit_in(name).empty() ? rank + 1 : rank;
+}
+
 std::string time_column(const Table& table) {
   std::string best;
   int best_rank = 0;
   for (const Column& c : table.columns) {
     if (2 * c.numbers < table.rows()) continue;
-    const std::string p = plain(c.name.substr(0, c.name.find('[')));
-    int rank = 0;
-    if (p == "t" || p == "ts" || p == "sec" || p == "secondselapsed") rank = 1;
-    if (p.find("time") != std::string::npos) rank = 2;
-    if (p == "time" || p.find("timestamp") != std::string::npos) rank = 3;
-    if (rank > 0 && !unit_in(c.name).empty()) ++rank;
-    if (rank > best_rank) {
+    if (const int rank = rank_as_time(c.name); rank > best_rank) {
       best_rank = rank;
       best = c.name;
     }

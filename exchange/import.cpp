@@ -180,7 +180,7 @@ class Tables {
     name_columns_left(table, map);
   }
 
-  /// A sensor that is not recognised by its names must not be missed in silence.
+  /// A sensor that is not recognised by its names must not be missed in silence. A second time is none.
   void name_columns_left(const Table& table, const ColumnMap& map) {
     const std::string time = map.time.empty() ? time_column(table) : map.time;
     std::vector<std::string> left;
@@ -189,7 +189,7 @@ class Tables {
         return table.name.find(s.table) != std::string::npos &&
                std::find(s.columns.begin(), s.columns.end(), c.name) != s.columns.end();
       });
-      if (!taken && c.name != time && c.numbers > 0) left.push_back(c.name);
+      if (!taken && c.name != time && rank_as_time(c.name) == 0 && c.numbers > 0) left.push_back(c.name);
     }
     if (!left.empty()) reasons_.push_back(fmt::format("{}: not taken: {}", table.name, fmt::join(left, ", ")));
   }

@@ -42,6 +42,8 @@ std::size_t unwrap(Times& t_ns, std::int64_t usual_ns) {
   return wraps;
 }
 
+std::string counted(std::size_t n, std::string_view what) { return fmt::format("{} {}{}", n, what, n == 1 ? "" : "s"); }
+
 /// Gives how many were dropped.
 template <class Keep>
 std::size_t keep_if(Stream& s, const Keep& keep) {
@@ -63,20 +65,24 @@ void put_in_order(Stream& s, std::vector<std::string>& why) {
   if (s.t_ns.empty()) return;
   const std::int64_t usual_ns = usual_step(s.t_ns);
   if (const auto wraps = unwrap(s.t_ns, usual_ns); wraps > 0)
-    why.push_back(fmt::format("{}: its 32-bit counter wraps {} times; it was taken to go on", s.from, wraps));
+    why.push_back(
+        fmt::format("{}: its 32-bit counter wraps {}; it was taken to go on", s.from, counted(wraps, "time")));
   // Kept, a lone stamp ahead would cost every row after it.
   const auto alone_ahead = [&](std::size_t i, std::size_t kept) {
-    constexpr std::int64_t kFar = 10;
-    if (i + 1 >= s.t_ns.size() || usual_ns == 0) return false;
-    const std::int64_t now = s.t_ns[i], next = s.t_ns[i + 1];
+    constexpr std::int64_t kFar = 10, kFarAtTheEnd = 1000;  // nothing after the last one tells it from a pause
+    if (usual_ns == 0) return false;
+    const std::int64_t now = s.t_ns[i];
+    if (i + 1 == s.t_ns.size()) return kept > 0 && (now - s.t_ns[kept - 1]) / kFarAtTheEnd > usual_ns;
+    const std::int64_t next = s.t_ns[i + 1];
     const bool returns = now > next && (kept == 0 || next > s.t_ns[kept - 1]);
     return returns && (now - next) / kFar > usual_ns;
   };
   const std::size_t wild = keep_if(s, [&](std::size_t i, std::size_t kept) { return !alone_ahead(i, kept); });
   const std::size_t late =
       keep_if(s, [&](std::size_t i, std::size_t kept) { return kept == 0 || s.t_ns[i] > s.t_ns[kept - 1]; });
-  if (wild > 0) why.push_back(fmt::format("{}: {} rows dropped, their time alone is far ahead", s.from, wild));
-  if (late > 0) why.push_back(fmt::format("{}: {} rows dropped, their time does not advance", s.from, late));
+  if (wild > 0)
+    why.push_back(fmt::format("{}: {} dropped, far ahead of all others in time", s.from, counted(wild, "row")));
+  if (late > 0) why.push_back(fmt::format("{}: {} dropped, whose time does not advance", s.from, counted(late, "row")));
 }
 
 }  // namespace stillpoint::exchange

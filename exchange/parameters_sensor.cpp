@@ -60,7 +60,8 @@ Result<ReadParameters> read_sensor(const std::string& text, const std::string& n
   read("gyroscope", sim::Sensor::kGyr, out.simulation.gyroscope);
   read("magnetometer", sim::Sensor::kMag, out.simulation.magnetometer);
   if (!faults.empty()) return faults.error();
-  if (sensor["limits"]) out.lost.emplace_back("limits");
+  for (const char* key : {"id", "limits"})
+    if (sensor[key]) out.lost.emplace_back(key);
   out.lost.emplace_back("deviations, which stand in the state");
   return out;
 }

@@ -140,6 +140,7 @@ TEST(Parameters, ACalibratedSensorsOffsetIsTheSameCurveOfTemperatureThereAndBack
   const auto read = read_parameters(ParameterFormat::kSensor, kCalibrated, "board7.yaml");
   ASSERT_TRUE(read) << read.error().message;
   EXPECT_THAT(read->lost, Contains(HasSubstr("20 to 45 degC")));
+  EXPECT_THAT(read->lost, Contains("id"));
   const WrittenParameters written = write_parameters(ParameterFormat::kSensor, read->simulation);
   const auto back = io::parse_yaml(written.text, "written");
   ASSERT_TRUE(back) << written.text;
