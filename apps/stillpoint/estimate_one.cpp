@@ -33,6 +33,21 @@ Result<void> restore(const std::string& path, calib::OnlineCalibrator& calibrato
   return {};
 }
 
+/// Without an accelerometer nothing says where down is; without a gyroscope there is an attitude of a kind.
+Result<void> has_what_it_needs(const io::Recording& recording, const std::string& path) {
+  const auto sensors = io::sensor_times(recording);
+  const auto read = [&sensors](std::string_view name) {
+    return std::any_of(sensors.begin(), sensors.end(), [name](const auto& s) { return s.name == name; });
+  };
+  if (!read("acc"))
+    return fail(ErrorKind::kBadData,
+                path + ": no attitude: no reading of an accelerometer (acc_x_mps2 ...), which says where down is");
+  if (!read("gyr"))
+    tell("stillpoint: warning: " + path +
+         ": no reading of a gyroscope (gyr_x_radps ...): turns are known by gravity and field alone");
+  return {};
+}
+
 /// Writes as the samples come, or when all have been seen; the stages are those of the pass that was written.
 class Writer {
  public:
@@ -120,6 +135,8 @@ Result<Estimated> estimate_one(const EstimateRequest& request, const io::DaemonC
   if (config.source.mount) io::mount_sensors(*recording, *config.source.mount);
   for (const Finding& odd : warn_if_implausible(*recording, request.recording))
     if (is_too_slow(odd)) return fail(ErrorKind::kBadData, request.recording + ": no attitude: " + io::describe(odd));
+  if (const auto enough = has_what_it_needs(*recording, request.recording); !enough)
+    return tl::unexpected(enough.error());
   calib::OnlineCalibrator calibrator(config.calibration.online, io::factory_calibration(config.sensor));
   if (const auto known = restore(request.state, calibrator); !known) return tl::unexpected(known.error());
   auto file = AttitudeFile::create(request.output);

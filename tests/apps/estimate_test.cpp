@@ -59,6 +59,18 @@ TEST_F(Estimate, ASensorThatIsReadTooSlowlyGetsNoAttitude) {
   }
 }
 
+TEST_F(Estimate, WhatASensorThatIsMissingCostsIsSaid) {
+  write_file(folder_ / "gyr.yaml", "gyroscope: {noise_radps: 0.001}\nmotion: {kind: hand, duration_s: 5}\n");
+  write_file(folder_ / "acc.yaml", "accelerometer: {noise_mps2: 0.02}\nmotion: {kind: hand, duration_s: 5}\n");
+  for (const std::string sensor : {"gyr", "acc"})
+    ASSERT_EQ(tool("simulate --simulation " + sensor + ".yaml --output " + sensor + ".csv"), 0) << told_;
+  EXPECT_EQ(estimate("--recording gyr.csv --output out.csv"), 65);
+  EXPECT_THAT(told_, HasSubstr("no reading of an accelerometer"));
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "out.csv"));
+  EXPECT_EQ(estimate("--recording acc.csv --output out.csv > text"), 0) << told_;
+  EXPECT_THAT(told_, HasSubstr("no reading of a gyroscope"));
+}
+
 TEST_F(Estimate, TwoOfOneNameOrAFileForAFolderAreRefusedBeforeAnythingIsWritten) {
   std::filesystem::create_directory(folder_ / "other");
   std::filesystem::copy_file(folder_ / "walk1.csv", folder_ / "other/walk1.csv");
