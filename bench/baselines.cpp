@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "core/directions.h"
 #include "core/so3.h"
 
 namespace stillpoint::bench {
@@ -18,7 +19,7 @@ Vec3 field_reference(const Quat& q, const Vec3& mag) {
 Quat attitude_from_vectors(const Vec3& acc_mps2, const Vec3& mag_uT) {
   const Vec3 up = acc_mps2.normalized();
   const Vec3 east = mag_uT.cross(up);
-  if (east.norm() < 1e-9) return Quat::FromTwoVectors(up, Vec3::UnitZ());
+  if (east.norm() < 1e-9) return turn_between(up, Vec3::UnitZ());
   Mat3 R_body_world;
   R_body_world.col(0) = east.normalized();
   R_body_world.col(1) = up.cross(east.normalized());
@@ -71,7 +72,7 @@ Quat Complementary::step(const BaselineInput& in) {
   q_ = (q_ * exp_quat(in.gyr_radps * in.dt_s)).normalized();
   Quat target = attitude_from_vectors(in.acc_mps2, in.mag_uT);
   if (in.mag_uT.norm() == 0.0) {  // 6D: only the tilt is pulled
-    target = Quat::FromTwoVectors(q_ * in.acc_mps2, Vec3::UnitZ()) * q_;
+    target = turn_between(q_ * in.acc_mps2, Vec3::UnitZ()) * q_;
   }
   q_ = (exp_quat(in.dt_s / (kTime_s + in.dt_s) * log_quat(target * q_.conjugate())) * q_).normalized();
   return q_;

@@ -1,8 +1,8 @@
 #include "io/config.h"
 
-#include <Eigen/SVD>
 #include <filesystem>
 
+#include "core/directions.h"
 #include "io/simulation_yaml.h"
 #include "simulation/law_effect.h"
 
@@ -129,8 +129,8 @@ void check_sensor(const SensorConfig& sensor, const YAML::Node& root, YamlFaults
                            "characters, not beginning with '.'",
                            kLongestId));
   const auto invertible = [&](const char* key, const TriadFactory& triad) {
-    const Eigen::JacobiSVD<Mat3> svd(triad.matrix);
-    if (!(svd.singularValues()(2) > kLeastGainRatio * svd.singularValues()(0)))
+    const Vec3 gains = singular_values(triad.matrix);
+    if (!(gains[2] > kLeastGainRatio * gains[0]))
       faults.add(node[key]["matrix"], "'matrix' takes different readings to the same value: it has no inverse");
   };
   invertible("accelerometer", sensor.accelerometer);

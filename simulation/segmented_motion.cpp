@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "core/directions.h"
 #include "core/result.h"
 #include "core/so3.h"
 #include "simulation/random.h"
@@ -67,7 +68,7 @@ Quat random_attitude(Stream& random) {
 
 /// Attitude whose up direction, seen from the body, is `up`, turned by `yaw` about it.
 Quat attitude_with_up(const Vec3& up, double yaw_rad) {
-  return (Quat(Eigen::AngleAxisd(yaw_rad, Vec3::UnitZ())) * Quat::FromTwoVectors(up, Vec3::UnitZ())).normalized();
+  return (Quat(Eigen::AngleAxisd(yaw_rad, Vec3::UnitZ())) * turn_between(up, Vec3::UnitZ())).normalized();
 }
 
 /// A swing of the given rms per axis.

@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <Eigen/SVD>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -34,18 +33,15 @@ Relation Relation::about_means() const {
   return out;
 }
 
-Mat3 Relation::turn() const {
-  const Eigen::JacobiSVD<Mat3> svd(product, Eigen::ComputeFullU | Eigen::ComputeFullV);
-  return svd.matrixU() * svd.matrixV().transpose();
-}
+Mat3 Relation::turn() const { return nearest_orthogonal(product, product.determinant()); }
 
 double Relation::coherence() const {
   if (!(xx > 0) || !(yy > 0)) return 0.0;
-  return Eigen::JacobiSVD<Mat3>(product).singularValues().sum() / std::sqrt(xx * yy);
+  return singular_values(product).sum() / std::sqrt(xx * yy);
 }
 
 bool Relation::spans_space() const {
-  const Vec3 sizes = Eigen::JacobiSVD<Mat3>(product).singularValues();
+  const Vec3 sizes = singular_values(product);
   return sizes[2] > 0.02 * sizes[0];
 }
 
