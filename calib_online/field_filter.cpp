@@ -80,8 +80,9 @@ FieldFilter::Verdict FieldFilter::update(const Pair& pair) noexcept {
   const Vec3 e = z - h * x;
   const double rate_sd = pair.gyr_bias_sd_radps > 0.0 ? std::min(params_.gyr_bias_sd_radps, pair.gyr_bias_sd_radps)
                                                       : params_.gyr_bias_sd_radps;
-  const double turn_var = squared(pair.gyr_matrix_sd * pair.path_rad) + squared(rate_sd * pair.time_s);
-  const Vec3 field = matrix() * after - carried_uT();
+  const double matrix_sd = std::min(params_.gyr_matrix_sd, pair.gyr_matrix_sd);
+  const double turn_var = squared(matrix_sd * pair.path_rad) + squared(rate_sd * pair.time_s);
+  const Vec3 field = pair.R * (matrix() * after - carried_uT());  // across it a wrong turn moves it, along it never
   const Mat3 turned = turn_var * skew(field) * skew(field).transpose();
   s_.white_uT2 += std::max(1.0 - kMemory, 1.0 / (s_.pairs + 1.0)) * (pair.noise_uT2 - s_.white_uT2);
   const double own = std::max(s_.misfit_uT2, s_.white_uT2);

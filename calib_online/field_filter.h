@@ -19,6 +19,7 @@ struct FieldFilterParams {
   double place_uT = 1.0;
   double repeats = 50.0;
   double gyr_bias_sd_radps = 0.2 * kRadPerDeg;
+  double gyr_matrix_sd = 0.018;
 
   template <class P = FieldFilterParams>
   static constexpr auto fields() {
@@ -34,6 +35,8 @@ struct FieldFilterParams {
               "turns in which the same unevenness and the same error of the gyro come again: so many count as one"),
         field("gyr_bias_sd_radps", &P::gyr_bias_sd_radps, in_range(0.0, 0.1),
               "what the rate is off in a turn, before the bias is learnt"),
+        field("gyr_matrix_sd", &P::gyr_matrix_sd, in_range(0.0, 0.3),
+              "what a turn is off, relative to its path, before the gyroscope's matrix is learnt"),
     };
   }
 };

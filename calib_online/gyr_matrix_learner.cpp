@@ -242,6 +242,7 @@ bool GyrMatrixLearner::publish(TriadCalibration& gyr) noexcept {
   if (s_.published.segments == 0) now.H = mat(factory_.matrix);
   stated_ = now;
   gyr.matrix = array(now.H);
+  Eigen::Map<Vec9>(gyr.matrix_sd.data()) = now.covariance.diagonal().cwiseMax(0.0).cwiseSqrt();
   return true;
 }
 

@@ -39,6 +39,7 @@ struct TriadCalibration {
   double temp_min_degC = 25.0;  ///< coldest and warmest temperature with evidence
   double temp_max_degC = 25.0;
   Array9 bias_covariance{};   ///< of b0, unit^2; zeros where unknown
+  Array9 matrix_sd{};         ///< of each element of H; zeros where unknown
   double norm_sd = 0.0;       ///< sd of the calibrated norm, rms over the sphere, in units of the reading; 0 unknown
   std::uint32_t windows = 0;  ///< rest windows behind these numbers
   CalibrationStatus status = CalibrationStatus::kFactory;

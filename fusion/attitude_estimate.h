@@ -13,7 +13,7 @@ struct AttitudeEstimate {
   std::int64_t t_ns = 0;            ///< time of the sample
   Array4 q_world_body{1, 0, 0, 0};  ///< w, x, y, z; rotates body vectors into the world
   Array9 covariance_world_rad2{};   ///< of the rotation error about the fixed world axes (REP-103), row-major
-  Array9 unexplained_rad2{};        ///< of that, what is no weight against another estimate: (A28), (A30)
+  Array9 unexplained_rad2{};        ///< of that, what is no weight against another estimate: (A28), (A30), (A34)
   double sigma_roll_rad = 0.0;      ///< standard deviation about the horizontal axis of the heading
   double sigma_pitch_rad = 0.0;     ///< about the horizontal axis across the heading
   double sigma_yaw_rad = 0.0;       ///< about the vertical

@@ -34,6 +34,7 @@ struct AttitudeFilterParams {
   double gyr_bias_sd_radps = 0.05;
   double gyr_bias_walk_radps_rtHz = 1e-4;
   double gyr_matrix_sd = 0.004;
+  double gyr_matrix_unlearnt_sd = 0.01;
   double acc_noise_mps2_rtHz = 0.03;
   double mag_noise_uT = 0.0;
   double acc_bias_sd_mps2 = 0.1;
@@ -73,6 +74,9 @@ struct AttitudeFilterParams {
               "random walk of that bias, stress and temperature included; small: slow to follow, large: noisy bias"),
         field("gyr_matrix_sd", &P::gyr_matrix_sd, in_range(0.0, 0.1),
               "scale and misalignment error that the calibration may have left, per element; 0: not learnt"),
+        field("gyr_matrix_unlearnt_sd", &P::gyr_matrix_unlearnt_sd, in_range(0.0, 0.1),
+              "the same of a gyroscope that nobody has calibrated: what exceeds gyr_matrix_sd is not learnt, it is "
+              "stated; a calibration that was learnt states its own"),
         field("acc_noise_mps2_rtHz", &P::acc_noise_mps2_rtHz, in_range(1e-6, 10.0),
               "white noise density of the accelerometer, vibration included"),
         field("mag_noise_uT", &P::mag_noise_uT, in_range(0.0, 1e4),
@@ -140,6 +144,9 @@ class AttitudeFilter {
   /// From here on, in place of that of the parameters.
   void use_noise(const WhiteNoise& noise) noexcept;
 
+  /// How far the calibration of the first samples can be trusted; of any later one rebase() hears.
+  void know(const CalibrationSnapshot& calibration) noexcept;
+
   /// The calibration has changed between two samples: the states are expressed anew, so that corrected rates and
   /// forces stay what they were and no rest evidence counts twice; only a change with temperature passes through.
   void rebase(const CalibrationSnapshot& from, const CalibrationSnapshot& to) noexcept;
@@ -197,13 +204,14 @@ class AttitudeFilter {
     Array3 rate_radps{};                             ///< last corrected rate, for bridging
     Array3 force_world_mps2{};                       ///< last one, for bridging
     Array3 last_field_uT{};                          ///< last reading, to tell a held value from a new one
-    Array9 iron_rad2{};  ///< what an untrue hard iron may have done to the attitude, world axes
+    Array9 iron_rad2{};      ///< what an untrue hard iron may have done to the attitude, world axes
+    Array9 unlearnt_rad2{};  ///< and what the gyroscope's matrix has
     Repetition acc_repeats, gyr_repeats;
     StraightLine gyr_line;
     double temp_degC = 25.0;
     double start_heading_rad = 0.0;
     double start_tilt_rad = 0.1;     ///< standard deviation
-    double acc_matrix_sd = 0.01;     ///< of the calibration in force
+    Array9 gyr_unlearnt2{};          ///< variance of the gyroscope's matrix beyond what the error state began with
     double magnetic_s = 0.0;         ///< time of trusted magnetic heading so far
     double unmagnetic_s = 1e9;       ///< time since the last trusted one
     double rest_doubt_s = 0.0;       ///< for this long the rest detector is not believed
@@ -262,9 +270,16 @@ class AttitudeFilter {
   [[nodiscard]] ErrorVector taught_by_heading(const HeadingReading& reading, double expected_rad2) const noexcept;
   void measure_heading(const HeadingReading& reading, double time_s) noexcept;
   void inject() noexcept;
+  void take_gyr_matrix(const TriadCalibration& gyr) noexcept;
   [[nodiscard]] AttitudeEstimate estimate(std::int64_t t_ns) const noexcept;
 
+  struct Known {  ///< of the calibration in force: it outlives a reset
+    double acc_matrix_sd;
+    Array9 gyr_matrix_sd;  ///< column by column
+  };
+
   AttitudeFilterParams params_;
+  Known known_;
   State s_;
   static_assert(std::is_trivially_copyable_v<State>);
 };

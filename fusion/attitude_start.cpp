@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/directions.h"
 #include "core/so3.h"
 #include "core/units.h"
 #include "fusion/attitude_filter.h"
@@ -18,7 +19,7 @@ constexpr double kMovingTilt_rad = 0.3;  ///< of one reading in the middle of a 
 
 void AttitudeFilter::start_from(const Vec3& acc_mps2) noexcept {
   if (acc_mps2.norm() < kFalling_mps2) return;
-  const Quat tilt = Quat::FromTwoVectors(acc_mps2, Vec3::UnitZ());
+  const Quat tilt = turn_between(acc_mps2, Vec3::UnitZ());
   const Quat turn_to_heading(Eigen::AngleAxisd(s_.start_heading_rad - heading_of(tilt), Vec3::UnitZ()));
   set_attitude(turn_to_heading * tilt);
   // What motion adds to gravity along the reading it adds across it too, where it tilts.
@@ -38,6 +39,10 @@ void AttitudeFilter::start_errors() noexcept {
   sd.segment<3>(kAccBias).setConstant(params_.acc_bias_sd_mps2);
   sd.segment<9>(kGyrMatrix).setConstant(params_.gyr_matrix_sd);
   sd(kDisturbance) = params_.heading_disturbance_rad;
+  for (std::size_t i = 0; i < s_.gyr_unlearnt2.size(); ++i) {
+    const double known2 = known_.gyr_matrix_sd[i] * known_.gyr_matrix_sd[i];
+    s_.gyr_unlearnt2[i] = std::max(0.0, known2 - params_.gyr_matrix_sd * params_.gyr_matrix_sd);
+  }
   s_.error.start(sd);
   s_.jumps.restart(s_.error);
 }
@@ -54,7 +59,7 @@ bool AttitudeFilter::start_in_motion(double time_s) noexcept {
   const bool came_to_rest = !s_.sums.moved;
   if (came_to_rest) s_.moving_start.end();
   const Vec3 up = came_to_rest ? force : s_.moving_start.force_mps2();
-  if (up.norm() > kFalling_mps2) turn_world(Quat::FromTwoVectors(up, Vec3::UnitZ()));
+  if (up.norm() > kFalling_mps2) turn_world(turn_between(up, Vec3::UnitZ()));
   s_.start_tilt_rad = came_to_rest ? kStartTilt_rad : s_.moving_start.tilt_sd_rad();
   const Array4 q = s_.x.q_world_body;
   s_.x = Nominal{};
@@ -111,7 +116,7 @@ void AttitudeFilter::bridge(const CalibratedSample& sample, bool gyr, bool acc, 
   const double heading2 = s_.error.P()(kTheta + 2, kTheta + 2) + unknown(2, 2) + tilt2;
   const Vec3 force = vec(sample.acc_mps2) - vec(s_.x.acc_bias_mps2);
   if (force.norm() < kFalling_mps2) return;
-  const Quat down = Quat::FromTwoVectors(quat(s_.x.q_world_body) * force, Vec3::UnitZ());
+  const Quat down = turn_between(quat(s_.x.q_world_body) * force, Vec3::UnitZ());
   set_attitude(down * quat(s_.x.q_world_body));
   const double sd = kMovingTilt_rad + std::min(1.0, std::abs(force.norm() / kStandardGravity_mps2 - 1.0));
   for (int i = 0; i < 2; ++i) s_.error.forget(kTheta + i, sd * sd);

@@ -29,10 +29,11 @@ AttitudeEstimate AttitudeFilter::estimate(std::int64_t t_ns) const noexcept {
       out.q_world_body = array(quat(s_.x.q_world_body) * exp_quat(params_.prediction_s * vec(s_.rate_radps)));
     }
     out.unexplained_rad2 =
-        array(Mat3(s_.error.pull().unexplained_rad2() + s_.motion_scale.leaning_rad2(0.5 * s_.error.tilt_rad2())));
+        array(Mat3(s_.error.pull().unexplained_rad2() + s_.motion_scale.leaning_rad2(0.5 * s_.error.tilt_rad2()) +
+                   mat(s_.unlearnt_rad2)));
     cov = s_.error.P().block<3, 3>(kTheta, kTheta) + mat(s_.iron_rad2) + mat(s_.jumps.doubt_rad2()) +
           mat(out.unexplained_rad2) + mat(s_.sums.theta_rad2);
-    cov.topLeftCorner<2, 2>().diagonal().array() += s_.acc_matrix_sd * s_.acc_matrix_sd;
+    cov.topLeftCorner<2, 2>().diagonal().array() += known_.acc_matrix_sd * known_.acc_matrix_sd;
     // (A24) A stamp may mean either end of its reading's interval: half a step.
     const Vec3 late = params_.stamp_sd * s_.rate_bridge.usual_step_s() * (mat(s_.R_world_body) * vec(s_.rate_radps));
     cov += late * late.transpose();

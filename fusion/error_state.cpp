@@ -9,7 +9,8 @@ namespace stillpoint::fusion {
 void ErrorState::start(const ErrorVector& sd) noexcept {
   P() = ErrorMatrix(sd.cwiseAbs2().asDiagonal());
   mean_.fill(0.0);
-  by_iron_.fill(0.0);
+  untold_.fill(0.0);
+  by_gyr_matrix().middleRows<kOfGyrMatrix>(kGyrMatrix).setIdentity();
   by_jump_.fill(0.0);
   pull_ = {};
 }
@@ -40,7 +41,7 @@ void ErrorState::propagate(const MotionSums& sums, const ProcessNoise& noise) no
   times_F_t(cov);
   cov.transposeInPlace();
   times_F_t(cov);
-  times_F_t(by_iron().transpose());
+  times_F_t(untold().transpose());
   times_F_t(by_jump().transpose());
 
   cov.block<3, 3>(kTheta, kTheta) += mat(noise.theta_rad2);
@@ -59,7 +60,7 @@ void ErrorState::correct(const ErrorVector& gain, const ErrorVector& Ph, const I
   P().noalias() -= gain * Ph.transpose();
   Eigen::Map<ErrorVector>(mean_.data()) += gain * v.value;
   pull_.add(gain.head<3>() * v.value, gain.head<3>().cwiseProduct(Ph.head<3>()));
-  by_iron().noalias() -= gain * v.by_iron;
+  untold().noalias() -= gain * v.untold;
   by_jump().noalias() -= gain * v.by_jump;
 }
 
@@ -71,9 +72,8 @@ void ErrorState::weigh_jumps(const Innovation& v) noexcept {
 void ErrorState::update(const ErrorVector& h, double z, double variance, const Vec3& iron,
                         const ErrorVector& taught) noexcept {
   const ErrorVector Ph = P() * h;
-  const Innovation v{z - h.dot(mean()), h.dot(Ph) + variance,
-                     h.transpose() * by_iron() + Eigen::RowVector4d(iron.x(), iron.y(), iron.z(), 0.0),
-                     h.transpose() * by_jump()};
+  Innovation v{z - h.dot(mean()), h.dot(Ph) + variance, h.transpose() * untold(), h.transpose() * by_jump()};
+  v.untold.head<3>() += iron;
   if (!v.usable()) return;
   const ErrorVector gain = taught.cwiseProduct(Ph) / v.variance;
   correct(gain, Ph, v);
@@ -83,7 +83,7 @@ void ErrorState::update(const ErrorVector& h, double z, double variance, const V
 
 void ErrorState::update(int index, double z, double variance) noexcept {
   const ErrorVector Ph = P().col(index);
-  const Innovation v{z - mean()(index), Ph(index) + variance, by_iron().row(index), by_jump().row(index)};
+  const Innovation v{z - mean()(index), Ph(index) + variance, untold().row(index), by_jump().row(index)};
   if (!v.usable()) return;
   correct(Ph / v.variance, Ph, v);
   weigh_jumps(v);
@@ -102,6 +102,23 @@ void ErrorState::believe_jump(int jump, const Vec3& size, const Mat3& covariance
   P() += (done * covariance).lazyProduct(done.transpose());
 }
 
+Eigen::Matrix<double, 3, kOfGyrMatrix> ErrorState::turned_by_gyr_matrix() const noexcept {
+  return by_gyr_matrix().middleRows<3>(kTheta);
+}
+
+double ErrorState::gyr_matrix_variance(int element, double unlearnt2) const noexcept {
+  const int at = kGyrMatrix + element;
+  const double own = by_gyr_matrix()(at, element);
+  return P()(at, at) + unlearnt2 * own * own;
+}
+
+void ErrorState::learn_gyr_matrix(int element, double error, double variance, double unlearnt2) noexcept {
+  const ErrorVector done = by_gyr_matrix().col(element);
+  P() += unlearnt2 * done * done.transpose();
+  by_gyr_matrix().col(element).setZero();
+  update(kGyrMatrix + element, error, variance);
+}
+
 Mat3 ErrorState::iron_rad2(const Mat3& left_uT2) const noexcept {
   const auto rotation = by_iron().middleRows<3>(kTheta);
   return rotation.leftCols<3>() * left_uT2 * rotation.leftCols<3>().transpose() +
@@ -112,7 +129,7 @@ void ErrorState::turn_back() noexcept {
   for (const int first : {static_cast<int>(kVelocity), static_cast<int>(kGyrBias)}) {
     P().middleRows<3>(first) *= -1.0;
     P().middleCols<3>(first) *= -1.0;
-    by_iron().middleRows<3>(first) *= -1.0;
+    untold().middleRows<3>(first) *= -1.0;
   }
 }
 
@@ -120,7 +137,9 @@ void ErrorState::forget(int index, double variance) noexcept {
   P().row(index).setZero();
   P().col(index).setZero();
   P()(index, index) = variance;
-  by_iron().row(index).setZero();
+  untold().row(index).setZero();
+  if (const int element = index - kGyrMatrix; element >= 0 && element < kOfGyrMatrix)
+    by_gyr_matrix()(index, element) = 1.0;
 }
 
 void ErrorState::depend(int index, const ErrorVector& weights) noexcept {
@@ -128,7 +147,7 @@ void ErrorState::depend(int index, const ErrorVector& weights) noexcept {
   P().row(index) += shared.transpose();
   P().col(index) += shared;
   P()(index, index) += weights.dot(shared);
-  by_iron().row(index) += weights.transpose() * by_iron();
+  untold().row(index) += weights.transpose() * untold();
   by_jump().row(index) += weights.transpose() * by_jump();
 }
 
@@ -137,7 +156,7 @@ void ErrorState::turn_world(const Mat3& by) noexcept {
   for (const int block : {kTheta, kVelocity, kPosition}) {
     P().middleRows<3>(block) = (by * P().middleRows<3>(block)).eval();
     P().middleCols<3>(block) = (P().middleCols<3>(block) * by.transpose()).eval();
-    by_iron().middleRows<3>(block) = (by * by_iron().middleRows<3>(block)).eval();
+    untold().middleRows<3>(block) = (by * untold().middleRows<3>(block)).eval();
     by_jump().middleRows<3>(block) = (by * by_jump().middleRows<3>(block)).eval();
     Eigen::Map<ErrorVector> gathered(mean_.data());
     gathered.segment<3>(block) = (by * gathered.segment<3>(block)).eval();

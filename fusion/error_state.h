@@ -26,8 +26,10 @@ enum ErrorIndex : int {
 
 using ErrorVector = Eigen::Matrix<double, kErrorStates, 1>;
 using ErrorMatrix = Eigen::Matrix<double, kErrorStates, kErrorStates>;
-/// What an untrue hard iron does to the estimate: three columns times its error (uT, body axes), and one of its own.
-using IronMatrix = Eigen::Matrix<double, kErrorStates, 4, Eigen::RowMajor>;
+/// What P does not hold. Of an untrue hard iron: three columns times its error (uT, body axes), and one of its own. Of
+/// the gyroscope's matrix: nine times the part of its error that the filter does not learn.
+constexpr int kOfIron = 4, kOfGyrMatrix = 9;
+using UntoldMatrix = Eigen::Matrix<double, kErrorStates, kOfIron + kOfGyrMatrix, Eigen::RowMajor>;
 /// What each jump of jump_evidence.h, if it has been, has done to the errors: three columns times its size.
 using JumpMatrix = Eigen::Matrix<double, kErrorStates, 3 * kJumps, Eigen::RowMajor>;
 
@@ -59,10 +61,17 @@ class ErrorState {
 
   /// (A17) error = what P holds + S (error of the hard iron) + r. S is the first three columns; r, the fourth, is what
   /// an iron that has been found since had done before.
-  [[nodiscard]] Eigen::Map<const IronMatrix> by_iron() const noexcept {
-    return Eigen::Map<const IronMatrix>(by_iron_.data());
-  }
-  [[nodiscard]] Eigen::Map<IronMatrix> by_iron() noexcept { return Eigen::Map<IronMatrix>(by_iron_.data()); }
+  [[nodiscard]] auto by_iron() const noexcept { return untold().leftCols<kOfIron>(); }
+  [[nodiscard]] auto by_iron() noexcept { return untold().leftCols<kOfIron>(); }
+
+  /// (A34) error = what P holds + S (unlearnt error of the gyroscope's matrix, element by element): the rotation's
+  /// rows.
+  [[nodiscard]] Eigen::Matrix<double, 3, kOfGyrMatrix> turned_by_gyr_matrix() const noexcept;
+  /// Of one element of it: what P holds, and its own part of the variance that is not learnt.
+  [[nodiscard]] double gyr_matrix_variance(int element, double unlearnt2) const noexcept;
+  /// It is now known from elsewhere: its error with that variance. What the unlearnt part has done to the other errors
+  /// is learnt with it.
+  void learn_gyr_matrix(int element, double error, double variance, double unlearnt2) noexcept;
 
   /// (A27) A jump of the three errors from `first` on that would begin now; what was said of this one before is void.
   void begin_jump(int jump, int first) noexcept;
@@ -124,19 +133,25 @@ class ErrorState {
   /// An innovation, its variance, and its own dependence on the hard iron and on the jumps.
   struct Innovation {
     double value, variance;
-    Eigen::RowVector4d by_iron;
+    Eigen::Matrix<double, 1, kOfIron + kOfGyrMatrix> untold;
     Eigen::Matrix<double, 1, 3 * kJumps> by_jump;
     [[nodiscard]] bool usable() const noexcept { return variance > 0.0 && std::isfinite(value * variance); }
   };
   void correct(const ErrorVector& gain, const ErrorVector& Ph, const Innovation& v) noexcept;
   void weigh_jumps(const Innovation& v) noexcept;
+  [[nodiscard]] Eigen::Map<const UntoldMatrix> untold() const noexcept {
+    return Eigen::Map<const UntoldMatrix>(untold_.data());
+  }
+  [[nodiscard]] Eigen::Map<UntoldMatrix> untold() noexcept { return Eigen::Map<UntoldMatrix>(untold_.data()); }
+  [[nodiscard]] auto by_gyr_matrix() const noexcept { return untold().rightCols<kOfGyrMatrix>(); }
+  [[nodiscard]] auto by_gyr_matrix() noexcept { return untold().rightCols<kOfGyrMatrix>(); }
   [[nodiscard]] Eigen::Map<const JumpMatrix> by_jump() const noexcept {
     return Eigen::Map<const JumpMatrix>(by_jump_.data());
   }
   [[nodiscard]] Eigen::Map<JumpMatrix> by_jump() noexcept { return Eigen::Map<JumpMatrix>(by_jump_.data()); }
   std::array<double, kErrorStates * kErrorStates> p_{};
   std::array<double, kErrorStates> mean_{};
-  std::array<double, kErrorStates * 4> by_iron_{};
+  std::array<double, kErrorStates*(kOfIron + kOfGyrMatrix)> untold_{};
   std::array<double, kErrorStates * 3 * kJumps> by_jump_{};
   std::array<JumpEvidence, kJumps> evidence_{};
   Pull pull_;

@@ -72,6 +72,7 @@ class Stages {
         correct_(start),
         compensate_(params.compensation),
         filter_(params.attitude) {
+    filter_.know(start);
     filter_.reset(params.initial_heading_rad);
   }
 

@@ -91,6 +91,24 @@ TEST(FieldTurns, AGoodCalibrationStaysAndSaysSo) {
   EXPECT_EQ(field.mag().bias, TriadCalibration{}.bias);
 }
 
+/// The same wrong turn in every pair: it moves the field across, never along, and its many pairs do not average it out.
+TEST(FieldTurns, WhatAnUntrueGyroscopeDoesIsInTheStatedDeviation) {
+  int inside = 0, all = 0;
+  for (unsigned seed = 1; seed <= 14; ++seed) {
+    test::SensorTruth truth = iron();
+    std::mt19937_64 random(seed);
+    std::normal_distribution<double> normal(0.0, 0.012);
+    for (double& element : truth.H_gyr.reshaped()) element += normal(random);
+    Field field(truth, seed);
+    field.run(300.0, restless());
+    ASSERT_EQ(field.mag().status, CalibrationStatus::kOk) << seed;
+    for (int axis = 0; axis < 3; ++axis, ++all)
+      inside += std::abs(vec(field.mag().bias)[axis] - truth.b_mag[axis]) <
+                3.0 * std::sqrt(mat(field.mag().bias_covariance)(axis, axis));
+  }
+  EXPECT_GE(inside, all - 1);
+}
+
 TEST(FieldTurns, TurnsAboutOneAxisAreNotObservable) {
   Field field(iron(), 3);
   test::Motion about_x;

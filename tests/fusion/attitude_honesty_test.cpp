@@ -251,5 +251,79 @@ TEST(AttitudeHonesty, TheMountingOfTheSensorDoesNotMatter) {
   }
 }
 
+/// Turns without a magnetometer by a gyroscope of which the data sheet says one percent.
+MotionParams turning_by_a_data_sheet() {
+  MotionParams m;
+  m.turn_radps = 3.0;
+  m.gyr_matrix_sd = 0.01;
+  return m;
+}
+
+AttitudeFilterParams without_magnetometer() {
+  AttitudeFilterParams p;
+  p.use_magnetometer = false;
+  return p;
+}
+
+/// The heading's error since it was begun: without a magnetometer it is counted from there.
+class HeadingSince {
+ public:
+  void begin(const RandomMotion& motion, const AttitudeEstimate& e) { start_ = apart(motion, e); }
+  [[nodiscard]] double error_rad(const RandomMotion& motion, const AttitudeEstimate& e) const {
+    return log_quat(apart(motion, e) * start_.conjugate()).z();
+  }
+
+ private:
+  static Quat apart(const RandomMotion& motion, const AttitudeEstimate& e) {
+    return motion.q_world_body() * quat(e.q_world_body).conjugate();
+  }
+  Quat start_ = Quat::Identity();
+};
+
+TEST(AttitudeHonesty, AGyroscopeOfOnePercentTurnsTheHeadingByAsMuchAsIsStated) {
+  Coverage coverage;
+  for (unsigned seed = 1; seed <= 40; ++seed) {
+    RandomMotion motion(turning_by_a_data_sheet(), seed);
+    AttitudeFilter filter(without_magnetometer());
+    HeadingSince heading;
+    for (int i = 0; i < 9000; ++i) {
+      const AttitudeEstimate e = filter.step(motion.next(i < 500), i < 500);
+      if (i == 499) heading.begin(motion, e);
+      if (i > 500 && i % 100 == 0) coverage.note(std::abs(heading.error_rad(motion, e)) < 3.0 * e.sigma_yaw_rad);
+    }
+  }
+  EXPECT_GT(coverage.share(), 0.97);
+}
+
+/// What the calibration found from gravity about the turns sets right what they have done to the heading, and those to
+/// come; the corrected rates stay what they were only as far as it knows nothing better.
+TEST(AttitudeHonesty, AMatrixThatTheCalibrationHasLearntIsTaken) {
+  double left = 0.0, taken = 0.0;
+  Coverage coverage;
+  for (unsigned seed = 1; seed <= 40; ++seed) {
+    RandomMotion motion(turning_by_a_data_sheet(), seed);
+    AttitudeFilter alone(without_magnetometer()), told(without_magnetometer());
+    const CalibrationSnapshot before;
+    CalibrationSnapshot learnt;
+    learnt.gyr.matrix = array(Mat3(Mat3::Identity() - motion.gyr_matrix()));
+    learnt.gyr.matrix_sd.fill(0.001);
+    HeadingSince of_alone, of_told;
+    for (int i = 0; i < 9000; ++i) {
+      CalibratedSample s = motion.next(i < 500);
+      const AttitudeEstimate a = alone.step(s, i < 500);
+      if (i == 4500) told.rebase(before, learnt);
+      if (i >= 4500) s.gyr_radps = array(Vec3(mat(learnt.gyr.matrix) * vec(s.gyr_radps)));
+      const AttitudeEstimate t = told.step(s, i < 500);
+      if (i == 499) of_alone.begin(motion, a), of_told.begin(motion, t);
+      if (i <= 4500 || i % 100 != 0) continue;
+      left += std::pow(of_alone.error_rad(motion, a), 2);
+      taken += std::pow(of_told.error_rad(motion, t), 2);
+      coverage.note(std::abs(of_told.error_rad(motion, t)) < 3.0 * t.sigma_yaw_rad);
+    }
+  }
+  EXPECT_LT(taken, 0.2 * left);
+  EXPECT_GT(coverage.share(), 0.97);
+}
+
 }  // namespace
 }  // namespace stillpoint::fusion

@@ -72,6 +72,7 @@ class RandomMotion {
 
   [[nodiscard]] const Quat& q_world_body() const { return q_; }
   [[nodiscard]] const Vec3& bias_radps() const { return bias_; }
+  [[nodiscard]] const Mat3& gyr_matrix() const { return matrix_; }
 
  private:
   static constexpr double kReaction_s = 0.1;

@@ -24,6 +24,7 @@ AttitudeFilterParams matched(const MotionParams& m) {
   p.gyr_bias_sd_radps = m.gyr_bias_sd_radps;
   p.gyr_bias_walk_radps_rtHz = m.gyr_bias_walk_radps_rtHz;
   p.gyr_matrix_sd = m.gyr_matrix_sd;
+  p.gyr_matrix_unlearnt_sd = 0.0;
   p.acc_noise_mps2_rtHz = m.acc_noise_mps2_rtHz;
   p.acc_bias_sd_mps2 = m.acc_bias_sd_mps2;
   p.acc_bias_walk_mps2_rtHz = 0.0;
