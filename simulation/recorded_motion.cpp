@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/so3.h"
 #include "simulation/reference_noise.h"
 
 namespace stillpoint::sim {
@@ -51,6 +52,35 @@ std::vector<bool> recognise_rest(const ReferenceTrack& track) {
   return still;
 }
 
+/// Whether its pieces lie apart by far more than they scatter within: `x`, samples of one span.
+bool wanders(const std::vector<Vec3>& x, std::size_t piece, double floor) {
+  const auto pieces = static_cast<double>(x.size() / piece);
+  if (pieces < 2.0) return false;
+  Vec3 mean = Vec3::Zero();
+  double within = 0.0, apart = 0.0;
+  for (std::size_t first = 0; first + piece <= x.size(); first += piece) {
+    Vec3 own = Vec3::Zero();
+    for (std::size_t i = first; i < first + piece; ++i) own += x[i] / static_cast<double>(piece);
+    for (std::size_t i = first; i < first + piece; ++i)
+      within += (x[i] - own).squaredNorm() / static_cast<double>(piece);
+    apart += own.squaredNorm();
+    mean += own;
+  }
+  return apart - mean.squaredNorm() / pieces > 4.0 * within + pieces * floor * floor;
+}
+
+/// Who stands still sways. Held to a mean he would be thrown from there to where he next is.
+bool sways(const ReferenceTrack& track, const Span& span, double step_s) {
+  constexpr double kPiece_s = 0.25, kSway_rad = 5e-4, kSway_m = 3e-4;
+  const auto piece = std::max<std::size_t>(2, static_cast<std::size_t>(std::lround(kPiece_s / step_s)));
+  std::vector<Vec3> turns, places;
+  for (std::size_t i = span.first; i <= span.second; ++i) {
+    turns.push_back(log_quat(track.q_world_body[i] * track.q_world_body[span.first].conjugate()));
+    if (!track.position_m.empty()) places.push_back(track.position_m[i] - track.position_m[span.first]);
+  }
+  return wanders(turns, piece, kSway_rad) || wanders(places, piece, kSway_m);
+}
+
 std::vector<Span> rest_spans(const ReferenceTrack& track) {
   std::vector<bool> still = track.moving.empty() ? recognise_rest(track) : track.moving;
   if (!track.moving.empty()) still.flip();
@@ -62,6 +92,8 @@ std::vector<Span> rest_spans(const ReferenceTrack& track) {
     if (track.t_s[last] - track.t_s[i] >= kShortestRest_s) spans.emplace_back(i, last);
     i = last;
   }
+  if (track.moving.empty())
+    std::erase_if(spans, [&, step_s = median_step(track.t_s)](const Span& span) { return sways(track, span, step_s); });
   return spans;
 }
 

@@ -8,6 +8,7 @@
 #include <cmath>
 #include <optional>
 
+#include "core/directions.h"
 #include "core/so3.h"
 #include "diagnosis/foreign/clocks.h"
 #include "diagnosis/median.h"
@@ -206,8 +207,8 @@ void add_reference(const io::Recording& log, const Course& recording, const Cloc
     const Eigen::Vector4d& g = log.ref_q_world_body[row];
     if (g.allFinite()) q = detail::as_expected(g);
   } else if (out.reading[kAcc].rows() > 0) {
-    q = Quat::FromTwoVectors(Vec3(out.reading[kAcc].topRows(std::min<Eigen::Index>(20, w.rows())).colwise().mean()),
-                             Vec3::UnitZ());
+    q = turn_between(Vec3(out.reading[kAcc].topRows(std::min<Eigen::Index>(20, w.rows())).colwise().mean()),
+                     Vec3::UnitZ());
   }
   for (Eigen::Index i = 0; i < w.rows(); ++i) {
     if (i > 0) {

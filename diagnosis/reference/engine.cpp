@@ -100,20 +100,25 @@ struct Late {
   double tau_s = 0.0, sd_s = 0.0;
 };
 
-/// Where each sensor was found late by the same time, but before what else it shows was found, it is the clock.
+/// Where sensors were found late by the same time, but before what else they show was found, and no other denies it, it
+/// is the clock. No sensor tells what has yet to come: one that is early, alone, stands beside a reference that is
+/// late.
 void join_delays(const Signals& s, EngineResult& r) {
   constexpr double kSame = 3.0;  // deviations
-  const auto is_late = [](const auto& search) { return !search || own_delay(*search); };
-  if (!std::all_of(r.sensor.begin(), r.sensor.end(), is_late)) return;
   std::vector<Late> all;
-  for (const auto& search : r.sensor) {
+  std::vector<SensorSearch*> others;
+  for (auto& search : r.sensor) {
     if (!search) continue;
-    const std::size_t at = *own_delay(*search);
+    const auto at = own_delay(*search);
+    if (!at) {
+      others.push_back(&*search);
+      continue;
+    }
     const Finished finished = finish(*search);
-    const Eigen::Index column = first_column(*search, at);
-    all.push_back({search->sensor, at, finished.values[column], finished.sd[column]});
+    const Eigen::Index column = first_column(*search, *at);
+    all.push_back({search->sensor, *at, finished.values[column], finished.sd[column]});
   }
-  if (all.size() < 2) return;
+  if (all.empty() || (all.size() == 1 && all.front().tau_s > 0.0)) return;
   std::sort(all.begin(), all.end(), [](const Late& a, const Late& b) { return a.sd_s < b.sd_s; });
   const Late& lead = all.front();
   const auto disagrees = [&lead](const Late& l) {
@@ -121,7 +126,17 @@ void join_delays(const Signals& s, EngineResult& r) {
   };
   if (std::any_of(all.begin() + 1, all.end(), disagrees)) return;
   Found& f = r.sensor[lead.sensor]->found[lead.at];
+  std::vector<std::optional<Series3>> unseen;
+  for (const SensorSearch* other : others) {
+    unseen.push_back(same_offset(s, other->sensor, f));
+    if (unseen.back() && gain_of_offset(*other, *unseen.back()) < -kClearNats) return;
+  }
   std::vector<Sensor> sensors{lead.sensor};
+  for (std::size_t i = 0; i < others.size(); ++i) {
+    if (!unseen[i]) continue;
+    others[i]->target.residual -= *unseen[i];
+    sensors.push_back(others[i]->sensor);
+  }
   for (auto l = all.begin() + 1; l != all.end(); ++l) {
     SensorSearch& other = *r.sensor[l->sensor];
     sensors.push_back(l->sensor);

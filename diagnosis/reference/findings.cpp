@@ -10,6 +10,7 @@
 #include "diagnosis/finding_effect.h"
 #include "diagnosis/reference/adequacy.h"
 #include "diagnosis/reference/clock_of_rows.h"
+#include "diagnosis/reference/columns.h"
 #include "diagnosis/reference/curves.h"
 #include "diagnosis/reference/drift.h"
 #include "diagnosis/reference/finding_of_law.h"
@@ -154,6 +155,21 @@ void drop_whiles_of_a_camera(const Signals& s, SensorSearch& search, std::vector
   }
 }
 
+/// By how much a timing law makes its sensor late, at most, s; infinite of a law that is none of a clock.
+double lateness(const Signals& s, const Found& f, const Eigen::VectorXd& numbers) {
+  if (f.id.ends_with("_delay") || f.id == "sys_offset") return std::abs(numbers[0]);
+  if (f.id != "sys_skew") return HUGE_VAL;
+  Series late = numbers[0] * Series::LinSpaced(s.n, 0.0, s.duration_s());
+  if (numbers.size() == 2) late += numbers[1] * integral(s.temperature_K, s.dt_s);
+  return late.cwiseAbs().maxCoeff();
+}
+
+/// A log's clock is known from how it turns, to a small part of a step: what is later by less is not the sensor's.
+bool within_the_alignment(const Signals& s, const Found& f, const Eigen::VectorXd& numbers) {
+  constexpr double kOfAStep = 4e-3;
+  return s.from_log && f.kind == Kind::kTiming && lateness(s, f, numbers) < kOfAStep * s.dt_s;
+}
+
 bool has_no_model(const Finding& f) { return is_unknown(f) || f.effect.ends_with("_drift"); }
 
 }  // namespace
@@ -195,7 +211,9 @@ void report_sensor(const Signals& s, const EngineResult& engine, Sensor sensor,
       switched ? Stated{search, finished, {}} : stated_of(s, search, finished, answer.diagnosis.notices);
   for (std::size_t i = 0; i < stated.held_out.size(); ++i) {
     const Found& f = stated.search.found[i];
-    if (f.kind == Kind::kConfiguration) continue;
+    const auto first = first_column(stated.search, i), count = static_cast<Eigen::Index>(f.columns.size());
+    const Eigen::VectorXd values = stated.finished.values.segment(first, count);
+    if (f.kind == Kind::kConfiguration || within_the_alignment(s, f, values)) continue;
     // The remainder of an effect already told, here or by the sensor that sees it best, is the same effect.
     const auto same = [&](const Finding& told) { return told.effect == f.id; };
     if (std::any_of(findings.begin(), findings.end(), same)) continue;
@@ -206,8 +224,6 @@ void report_sensor(const Signals& s, const EngineResult& engine, Sensor sensor,
     if (was_moved(f, s.n)) say_as_unknown(told, "unknown:mounting(t)", "the place of the sensor, or of the marker");
     findings.push_back(std::move(told));
     if (varies) continue;
-    const auto first = first_column(stated.search, i), count = static_cast<Eigen::Index>(f.columns.size());
-    const Eigen::VectorXd values = stated.finished.values.segment(first, count);
     if (const auto e = to_effect(f, values, s)) effects.push_back(*e);
     if (const auto e = law_entry(f, sensor, values, stated.finished.sd.segment(first, count))) effects.push_back(*e);
     if (f.shape_name == kTrackerShape)

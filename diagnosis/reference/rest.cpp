@@ -108,13 +108,21 @@ void wake_where_reference_moves(Mask& rest, const Series3& rate_radps, const Ser
 }
 
 void wake_where_both_move(Mask& rest, const Signals& s, const Series3& rate_radps) {
-  constexpr double kMost = 0.5, kSure = 3.0;  // of the reference's power; deviations of the gyroscope's noise
+  constexpr double kMost = 0.5, kSure = 3.0;  // of the lesser power of the two; deviations of the gyroscope's noise
+  constexpr double kMean_s = 0.3;             // a camera's noise is faster than who sways
   if (!s.present[kGyr]) return;
+  const auto half = static_cast<Eigen::Index>(0.5 * kMean_s / s.dt_s);
+  Series3 slow_rate(s.n, 3), slow_reading(s.n, 3);
+  for (int axis = 0; axis < 3; ++axis) {
+    slow_rate.col(axis) = moving_mean(rate_radps.col(axis), half);
+    slow_reading.col(axis) = moving_mean(s.reading[kGyr].col(axis), half);
+  }
   wake(rest, [&](Eigen::Index begin, Eigen::Index end) {
-    const auto seen = rate_radps.middleRows(begin, end - begin);
-    const auto read = s.reading[kGyr].middleRows(begin, end - begin);
-    const double both = (read.rowwise() - read.colwise().mean()).cwiseProduct(seen).sum();
-    return both > kMost * seen.squaredNorm() + kSure * s.noise_sd[kGyr] * seen.norm();
+    const auto seen = slow_rate.middleRows(begin, end - begin);
+    const auto read = slow_reading.middleRows(begin, end - begin);
+    const auto swings = read.rowwise() - read.colwise().mean();
+    const double most = std::min(seen.squaredNorm(), swings.squaredNorm());
+    return swings.cwiseProduct(seen).sum() > kMost * most + kSure * s.noise_sd[kGyr] * seen.norm();
   });
 }
 

@@ -18,8 +18,8 @@ void rest_where_reference_is_still(Mask& rest, const Signals& s, const Series3& 
 void wake_where_reference_moves(Mask& rest, const Series3& rate_radps, const Series3& velocity_mps, double dt_s,
                                 bool exact);
 
-/// Who sits down still sways. A rest in which the gyroscope sees most of what the reference sees is none: that is no
-/// noise of the reference.
+/// Who sits down still sways. A rest in which the gyroscope sees most of what the reference sees, or the reference most
+/// of what the gyroscope sees, is none: that is no noise of either.
 void wake_where_both_move(Mask& rest, const Signals& s, const Series3& rate_radps);
 
 }  // namespace stillpoint::diag

@@ -105,6 +105,24 @@ bool same_numbers(const sim::EffectConfig& a, const sim::EffectConfig& b) {
   });
 }
 
+/// The finding that tells this effect anew, as it looks behind an estimator on board; null where there is none.
+Finding* behind_tracker(const std::string& id, std::vector<Finding>& findings) {
+  const auto has_tracker = [](const Parameter& p) { return p.name == kTrackerShape; };
+  const auto at = std::find_if(findings.begin(), findings.end(), [&](const Finding& f) {
+    return f.effect == id && std::any_of(f.parameters.begin(), f.parameters.end(), has_tracker);
+  });
+  return at == findings.end() ? nullptr : &*at;
+}
+
+/// The simulation has the effect: what it lacks is the estimator.
+void leave_the_tracker(Finding& f) {
+  f.effect = "sys_tracker";
+  f.equation = "u = y - b, db/dt = (y - b) / tau at rest";
+  f.driver = "pattern of rests, and what drifts between them";
+  std::erase_if(f.parameters, [](const Parameter& p) { return p.name != kTrackerShape; });
+  f.parameters.front().name = "tau";
+}
+
 }  // namespace
 
 std::vector<sim::EffectConfig> without_surplus(const Signals& bare, const std::vector<sim::EffectConfig>& given,
@@ -132,11 +150,14 @@ std::vector<sim::EffectConfig> without_surplus(const Signals& bare, const std::v
 
 void keep_what_was_right(const std::vector<sim::EffectConfig>& given, Answer& answer) {
   for (const auto& e : given) {
-    const auto found =
-        std::find_if(answer.effects.begin(), answer.effects.end(), [&e](const auto& f) { return same_numbers(e, f); });
+    Finding* const hidden = behind_tracker(e.id, answer.diagnosis.findings);
+    const auto found = std::find_if(answer.effects.begin(), answer.effects.end(), [&](const auto& f) {
+      return hidden != nullptr ? f.id == e.id : same_numbers(e, f);
+    });
     if (found == answer.effects.end() || std::erase(answer.surplus, e.id) == 0) continue;
     answer.effects.erase(found);
     std::erase_if(answer.diagnosis.surplus, [&e](const Surplus& x) { return x.effect == e.id; });
+    if (hidden != nullptr) leave_the_tracker(*hidden);
     std::erase_if(answer.diagnosis.findings, [&e](const Finding& f) { return f.effect == e.id; });
   }
 }

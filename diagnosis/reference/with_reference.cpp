@@ -82,8 +82,10 @@ bool shows_in_raw_values(const std::string& id) {
          id == "sys_dup" || id == "gyr_deadzone" || id == "sys_jitter" || id == "ref_error" || id == "gyr_instability";
 }
 
-/// A law outside the catalogue that leaves only noise in its channels.
+/// A law outside the catalogue that leaves only noise in its channels, and foretells most of what it was not fitted to.
 bool explains_by_a_law(const Diagnosis& d, const Finding& f) {
+  constexpr double kMostOfIt = 0.8;
+  if (!f.held_out.on.empty() && f.held_out.removable_share_removed < kMostOfIt) return false;
   return law_tree(f.effect) && std::all_of(d.residual.begin(), d.residual.end(), [&f](const ChannelResidual& r) {
            return r.white || std::find(f.channels.begin(), f.channels.end(), r.channel) == f.channels.end();
          });

@@ -89,6 +89,16 @@ TEST(ForeignLog, AsNoisyAsTheRecordingIsNoMismatch) {
   EXPECT_TRUE(d.noise.empty()) << d.summary;
 }
 
+/// Rows between those in which it was read are filled: they have no noise of their own, and it is not told as less.
+TEST(ForeignLog, ASensorOfEverySecondRowHasItsOwnNoise) {
+  io::Recording recording = beside_a_reference("", {});
+  for (std::size_t i = 1; i < recording.size(); i += 2) recording.mag_uT[i].setConstant(io::kMissing);
+  const auto found = diagnose_log(their_log(), recording);
+  ASSERT_TRUE(found) << found.error().message;
+  EXPECT_THAT(test::names(found->answer), testing::IsEmpty()) << found->answer.diagnosis.summary;
+  EXPECT_THAT(found->answer.diagnosis.noise, testing::IsEmpty());
+}
+
 TEST(ForeignLog, BesideAReferenceOfSlowerFramesComparesEveryRow) {
   io::Recording recording =
       beside_a_reference("mag_soft_step", {{"t0_s", {35}}, {"M", {0.04, 0, 0, 0, -0.03, 0, 0, 0, 0.02}}});

@@ -4,6 +4,8 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
+#include <random>
 
 namespace stillpoint::diag {
 namespace {
@@ -45,6 +47,31 @@ TEST(Rest, WhatMovesForMostOfItIsNoRest) {
   v.segment(700, 100).setZero();
   const Mask rest = left_of(v);
   EXPECT_EQ(std::count(rest.begin(), rest.end(), 1), 0);
+}
+
+/// A person stands: the camera's noise is larger than the sway, of which the gyroscope sees nothing else.
+TEST(Rest, WhoSwaysUnderANoisyCameraIsNotAtRestAndATableIs) {
+  std::mt19937_64 random(3);
+  std::normal_distribution<double> normal;
+  for (const bool sways : {true, false}) {
+    Signals s;
+    s.n = kRows, s.dt_s = kDt_s;
+    s.present[kGyr] = true;
+    s.noise_sd[kGyr] = 1.5e-4;
+    s.reading[kGyr] = Series3::Zero(kRows, 3);
+    Series3 seen = Series3::Zero(kRows, 3), angle = Series3::Zero(kRows + 2, 3);
+    for (Eigen::Index i = 0; i < angle.rows(); ++i)
+      for (int axis = 0; axis < 3; ++axis) angle(i, axis) = 7e-4 * normal(random);
+    for (Eigen::Index i = 0; i < kRows; ++i)
+      for (int axis = 0; axis < 3; ++axis) {
+        const double sway = sways ? 4e-3 * std::sin(4.0 * kDt_s * static_cast<double>(i) + axis) : 0.0;
+        seen(i, axis) = sway + (angle(i + 2, axis) - angle(i, axis)) / (2.0 * kDt_s);
+        s.reading[kGyr](i, axis) = sway + 1.5e-4 * normal(random);
+      }
+    Mask rest = quiet();
+    wake_where_both_move(rest, s, seen);
+    EXPECT_EQ(std::count(rest.begin(), rest.end(), 1), sways ? 0 : kEnd - kBegin);
+  }
 }
 
 }  // namespace

@@ -1,4 +1,5 @@
 /// Physics that the simulation has and the sensor has not is named, and not in the improved simulation.
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "diagnosis/improved.h"
@@ -64,6 +65,19 @@ TEST_P(SurplusPhysics, ACopiedRandomWalkIsNamedAndARealOneIsNot) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Reference, SurplusPhysics, testing::Values("exact", "mocap"));
+
+/// The simulation has the drift with the temperature, and the sensor an estimator that takes most of it away.
+TEST(Tracker, WhatAnEstimatorOnBoardTakesAwayIsNamedByTheEstimator) {
+  auto config = test::baseline("exact", 160.0);
+  config.motion->min_rest_s = 6.0, config.motion->max_rest_s = 10.0;
+  config.environment.temperature = {.kind = "warm_up", .rise_K = 12.0, .tau_s = 60.0};
+  config = with(config, "gyr_temp_lin", {{"k_radps_per_K", {-6e-4, 2e-4, 2e-4}}});
+  const Answer answer = diagnose(test::record(config, "sys_tracker", {{"tau_s", {10.0}}}, 3), config);
+  const Finding* tracker = test::finding(answer, "sys_tracker");
+  ASSERT_NE(tracker, nullptr) << answer.diagnosis.summary;
+  EXPECT_NEAR(test::parameter(*tracker, "tau").value, 10.0, 2.0);
+  EXPECT_THAT(answer.diagnosis.surplus, testing::IsEmpty());
+}
 
 }  // namespace
 }  // namespace stillpoint::diag

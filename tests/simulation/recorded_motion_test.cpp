@@ -62,6 +62,26 @@ TEST(RecordedMotion, FollowsAnExactReferenceAndRests) {
   EXPECT_LT(e.rest_wrong, 0.01);
 }
 
+/// A person stands, then walks: held to the mean of his sway he would be thrown to where he sets out from.
+TEST(RecordedMotion, WhoSwaysIsNotHeldStill) {
+  ReferenceTrack track;
+  const auto place = [](double t) {
+    const double walks = t > 20.0 ? 0.05 * (1.0 - std::cos(2.0 * (t - 20.0))) : 0.0;
+    return Vec3(0.002 * std::sin(1.3 * t) + walks, 0.001 * std::cos(2.1 * t), walks);
+  };
+  for (int i = 0; i < 4000; ++i) {
+    const double t = 0.01 * i;
+    track.t_s.push_back(t);
+    track.position_m.push_back(place(t));
+    track.q_world_body.push_back(stillpoint::exp_quat(Vec3(0.003 * std::sin(1.1 * t), 0.0, 0.002 * std::cos(0.8 * t))));
+  }
+  const auto motion = RecordedMotion::from(track);
+  ASSERT_TRUE(motion);
+  double most = 0.0;
+  for (double t = 1.0; t < 19.5; t += 0.0137) most = std::max(most, (*motion)->at(t).acceleration_mps2.norm());
+  EXPECT_LT(most, 0.02);
+}
+
 constexpr const char* kColoured =
     "reference: {kind: mocap, orientation_sd_rad: 1e-3, position_sd_m: 2e-4, band_hz: 10}\n";
 constexpr const char* kWhite =
