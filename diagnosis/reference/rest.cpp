@@ -120,7 +120,7 @@ void wake_where_both_move(Mask& rest, const Signals& s, const Series3& rate_radp
   wake(rest, [&](Eigen::Index begin, Eigen::Index end) {
     const auto seen = slow_rate.middleRows(begin, end - begin);
     const auto read = slow_reading.middleRows(begin, end - begin);
-    const auto swings = read.rowwise() - read.colwise().mean();
+    const Series3 swings = read.rowwise() - read.colwise().mean();
     const double most = std::min(seen.squaredNorm(), swings.squaredNorm());
     return swings.cwiseProduct(seen).sum() > kMost * most + kSure * s.noise_sd[kGyr] * seen.norm();
   });

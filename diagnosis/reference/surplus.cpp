@@ -157,7 +157,7 @@ void keep_what_was_right(const std::vector<sim::EffectConfig>& given, Answer& an
     if (found == answer.effects.end() || std::erase(answer.surplus, e.id) == 0) continue;
     answer.effects.erase(found);
     std::erase_if(answer.diagnosis.surplus, [&e](const Surplus& x) { return x.effect == e.id; });
-    if (hidden != nullptr) leave_the_tracker(*hidden);
+    if (hidden != nullptr && !contains(given, "sys_tracker")) leave_the_tracker(*hidden);
     std::erase_if(answer.diagnosis.findings, [&e](const Finding& f) { return f.effect == e.id; });
   }
 }

@@ -72,11 +72,13 @@ TEST(Tracker, WhatAnEstimatorOnBoardTakesAwayIsNamedByTheEstimator) {
   config.motion->min_rest_s = 6.0, config.motion->max_rest_s = 10.0;
   config.environment.temperature = {.kind = "warm_up", .rise_K = 12.0, .tau_s = 60.0};
   config = with(config, "gyr_temp_lin", {{"k_radps_per_K", {-6e-4, 2e-4, 2e-4}}});
-  const Answer answer = diagnose(test::record(config, "sys_tracker", {{"tau_s", {10.0}}}, 3), config);
+  const io::Recording recording = test::record(config, "sys_tracker", {{"tau_s", {10.0}}}, 3);
+  const Answer answer = diagnose(recording, config);
   const Finding* tracker = test::finding(answer, "sys_tracker");
   ASSERT_NE(tracker, nullptr) << answer.diagnosis.summary;
   EXPECT_NEAR(test::parameter(*tracker, "tau").value, 10.0, 2.0);
   EXPECT_THAT(answer.diagnosis.surplus, testing::IsEmpty());
+  EXPECT_EQ(test::finding(diagnose(recording, improved_by(answer, config)), "sys_tracker"), nullptr) << "told again";
 }
 
 }  // namespace
