@@ -110,6 +110,14 @@ void PlausibilityCheck::push(const RawSample& sample) noexcept {
   if (sample.holds(kTemp)) push_temp(sample.temp_degC, sample.t_ns);
 }
 
+void PlausibilityCheck::Part::note_extent(const Array3& reading) noexcept {
+  if (norms.count() == 0) least = most = reading;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    least[axis] = std::min(least[axis], reading[axis]);
+    most[axis] = std::max(most[axis], reading[axis]);
+  }
+}
+
 void PlausibilityCheck::push_part(Part& part, const Array3& reading, std::int64_t t_ns, SamplePart kind) noexcept {
   if (part.started) {
     judge_time(part, t_ns);
@@ -117,11 +125,7 @@ void PlausibilityCheck::push_part(Part& part, const Array3& reading, std::int64_
   } else {
     part.window_start_ns = t_ns;
   }
-  if (part.norms.count() == 0) part.least = part.most = reading;
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    part.least[axis] = std::min(part.least[axis], reading[axis]);
-    part.most[axis] = std::max(part.most[axis], reading[axis]);
-  }
+  if (kind == kMag) part.note_extent(reading);
   part.norms.add(vec(reading).norm());
   part.last = reading;
   part.last_ns = t_ns;
@@ -174,8 +178,10 @@ void PlausibilityCheck::judge_window(Part& part, SamplePart kind, std::int64_t t
   const auto judge = [&](bool odd, bool right, Oddity oddity, Mistake mistake) {
     if (odd)
       part.odd_windows = std::max(0, part.odd_windows) + 1;
-    else if (right || kind != kMag)  // a field that does not turn says nothing of mG, and what was seen stays
-      part.odd_windows = right ? std::min(0, part.odd_windows) - 1 : 0;
+    else if (right)
+      part.odd_windows = std::min(0, part.odd_windows) - 1;
+    else if (kind != kMag)  // a field that does not turn says nothing of mG, and what was seen stays
+      part.odd_windows = 0;
     if (part.odd_windows >= kWindowsInARow) find(oddity, mistake, median, t_ns);
     if (part.odd_windows <= -kWindowsInARow) clear(oddity);
   };

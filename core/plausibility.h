@@ -77,12 +77,14 @@ class PlausibilityCheck {
  private:
   /// Of one sensor. A window is four seconds, and not fewer than fifty readings.
   struct Part {
-    Array3 last{}, least{}, most{};  ///< `least` and `most`: of each axis in this window
+    Array3 last{}, least{}, most{};  ///< `least` and `most`: of each axis of the magnetometer in this window
     std::int64_t last_ns = 0, window_start_ns = 0;
     LogHistogram norms, steps;
     std::uint32_t repeats = 0, same_time = 0, backward = 0;
     int odd_windows = 0, repeating_windows = 0;  ///< in a row; below 0: so many were right
     bool started = false, gravity_seen = false;
+    /// Before the window counts the reading.
+    void note_extent(const Array3& reading) noexcept;
   };
 
   void push_part(Part& part, const Array3& reading, std::int64_t t_ns, SamplePart kind) noexcept;

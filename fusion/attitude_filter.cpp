@@ -23,9 +23,6 @@ bool usable(const CalibratedSample& s, SamplePart part, const Array3& reading, d
   return s.holds(part) && vec(reading).allFinite() && vec(reading).cwiseAbs().maxCoeff() < limit;
 }
 
-/// Where an element of a matrix that the filter holds column by column stands in a calibration's.
-std::size_t by_rows(int element) { return static_cast<std::size_t>(3 * (element % 3) + element / 3); }
-
 /// A vector of the body as it was before that turn, in axes of the body now.
 Vec3 turned_back(const Vec3& v, const Array3& turn_rad) {
   return turn_rad == Array3{} ? v : Vec3(exp_quat(Vec3(-vec(turn_rad))) * v);
@@ -244,9 +241,7 @@ void AttitudeFilter::covariance_step() noexcept {
   const double tilt2 = s_.error.tilt_rad2();
   s_.regained &= s_.gyr_heard || tilt2 < kLostTilt_rad * kLostTilt_rad;
   s_.regained |= tilt2 < kRegained_rad * kRegained_rad;
-  const Eigen::Matrix<double, 3, kOfGyrMatrix> unlearnt = s_.error.turned_by_gyr_matrix();
-  const Eigen::Map<const Eigen::Matrix<double, kOfGyrMatrix, 1>> unlearnt2(s_.gyr_unlearnt2.data());
-  mat(s_.unlearnt_rad2) = (unlearnt * unlearnt2.asDiagonal()).lazyProduct(unlearnt.transpose());
+  mat(s_.unlearnt_rad2) = s_.error.unlearnt_rad2(s_.gyr_unlearnt2);
   mat(s_.iron_rad2) = s_.error.iron_rad2(s_.hard_iron.left_uT2(params_.hard_iron));
   const Eigen::RowVector3d turned = s_.error.by_iron().row(kTheta + 2).head<3>();  // the heading, per uT of iron
   mat(s_.iron_rad2)(2, 2) += turned * s_.hard_iron.unseen_uT2(params_.hard_iron) * turned.transpose();
@@ -274,67 +269,6 @@ void AttitudeFilter::inject() noexcept {
   vec(s_.x.gyr_bias_radps) += d.segment<3>(kGyrBias);
   vec(s_.x.acc_bias_mps2) += d.segment<3>(kAccBias);
   Eigen::Map<Eigen::Matrix<double, 9, 1>>(s_.x.gyr_matrix.data()) += d.segment<9>(kGyrMatrix);
-}
-
-/// (A35) The calibration knows the matrix by gravity before and after turns, far better than a heading that nothing
-/// else sees. What it says is no rest evidence; it is taken when it is twice as sure as what is known, so each turn
-/// counts little more than once, or when it contradicts that.
-void AttitudeFilter::take_gyr_matrix(const TriadCalibration& gyr) noexcept {
-  constexpr double kSurer = 0.25, kContradicts = 9.0;
-  if (gyr.matrix_sd == Array9{} || params_.gyr_matrix_sd == 0.0 || !s_.has_attitude || s_.denied_s > 0.0) return;
-  for (int i = 0; i < kOfGyrMatrix; ++i) {
-    const double sd = gyr.matrix_sd[by_rows(i)];
-    const auto at = static_cast<std::size_t>(i);
-    const double off = s_.x.gyr_matrix[at], known2 = s_.error.gyr_matrix_variance(i, s_.gyr_unlearnt2[at]);
-    const bool contradicts = off * off > kContradicts * (known2 + sd * sd);
-    if (sd * sd > kSurer * known2 && !contradicts) continue;
-    if (contradicts) s_.error.forget(kGyrMatrix + i, off * off);
-    s_.error.learn_gyr_matrix(i, -off, sd * sd, s_.gyr_unlearnt2[at]);
-  }
-  inject();
-}
-
-void AttitudeFilter::know(const CalibrationSnapshot& calibration) noexcept {
-  if (calibration.acc.status == CalibrationStatus::kOk && calibration.acc.norm_sd > 0.0)
-    known_.acc_matrix_sd = std::min(params_.acc_matrix_sd, calibration.acc.norm_sd / kStandardGravity_mps2);
-  if (calibration.gyr.matrix_sd == Array9{}) return;
-  for (int i = 0; i < kOfGyrMatrix; ++i)
-    known_.gyr_matrix_sd[static_cast<std::size_t>(i)] =
-        std::min(params_.gyr_matrix_unlearnt_sd, calibration.gyr.matrix_sd[by_rows(i)]);
-}
-
-void AttitudeFilter::rebase(const CalibrationSnapshot& from, const CalibrationSnapshot& to) noexcept {
-  // (A14) u' = H' (y - B') with y = H^-1 u + B, so u' = K u + c. At the present temperature the sum of both parts stays
-  // what it was; how B' changes with temperature from here on passes through.
-  const auto change = [this](const TriadCalibration& was, const TriadCalibration& is, Mat3& K, Vec3& c) {
-    K = mat(is.matrix) * mat(was.matrix).inverse();
-    c = mat(is.matrix) * (was.bias_at(s_.temp_degC) - is.bias_at(s_.temp_degC));
-    return K.allFinite() && c.allFinite() && std::abs(K.determinant()) > 1e-6;
-  };
-  know(to);
-  Mat3 K;
-  Vec3 c;
-  if (change(from.gyr, to.gyr, K, c)) {
-    Eigen::Map<Mat3> M(s_.x.gyr_matrix.data());
-    const Mat3 gain = (Mat3::Identity() - M) * K.inverse();
-    M = Mat3::Identity() - gain;
-    vec(s_.x.gyr_bias_radps) += gain * c;
-    take_gyr_matrix(to.gyr);
-  }
-  if (change(from.mag, to.mag, K, c)) {
-    const Vec3 before = K * s_.hard_iron.body_uT(params_.hard_iron) + c;  // in the new readings
-    std::optional<Mat3> calibrated_uT2;
-    if (to.mag.status == CalibrationStatus::kOk && mat(to.mag.bias_covariance).trace() > 0.0)
-      calibrated_uT2 = mat(to.mag.matrix) * mat(to.mag.bias_covariance) * mat(to.mag.matrix).transpose();
-    s_.hard_iron.rebase(K, c, calibrated_uT2);
-    // What was taken from the calibration is not carried any more, and it was too sure to be unlearnt by and by.
-    if (from.mag.status == CalibrationStatus::kOk && to.mag.status == CalibrationStatus::kReplaced)
-      s_.hard_iron.reset(params_.hard_iron);
-    s_.iron_finder.rebase(K, c);
-    s_.field.rescale(std::cbrt(std::abs(K.determinant())));
-    s_.error.by_iron().leftCols<3>() *= K.inverse();
-    s_.error.change_iron(s_.hard_iron.body_uT(params_.hard_iron) - before);
-  }
 }
 
 }  // namespace stillpoint::fusion

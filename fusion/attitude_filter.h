@@ -134,8 +134,8 @@ class AttitudeFilter {
  public:
   explicit AttitudeFilter(const AttitudeFilterParams& params = {}) noexcept;
 
-  /// Forgets everything. The heading starts at `heading_rad` (counter-clockwise from east, ENU) until, and unless, a
-  /// magnetometer says otherwise; without one it starts at 0.
+  /// Forgets everything but what know() was told. The heading starts at `heading_rad` (counter-clockwise from east,
+  /// ENU) until, and unless, a magnetometer says otherwise; without one it starts at 0.
   void reset(std::optional<double> heading_rad = std::nullopt) noexcept;
 
   /// One sample in time order; parts it does not hold are bridged. `at_rest` is the rest detector's word for it.

@@ -102,8 +102,10 @@ void ErrorState::believe_jump(int jump, const Vec3& size, const Mat3& covariance
   P() += (done * covariance).lazyProduct(done.transpose());
 }
 
-Eigen::Matrix<double, 3, kOfGyrMatrix> ErrorState::turned_by_gyr_matrix() const noexcept {
-  return by_gyr_matrix().middleRows<3>(kTheta);
+Mat3 ErrorState::unlearnt_rad2(const Array9& variances) const noexcept {
+  const Eigen::Matrix<double, 3, kOfGyrMatrix> rotation = by_gyr_matrix().middleRows<3>(kTheta);
+  const Eigen::Map<const Eigen::Matrix<double, kOfGyrMatrix, 1>> each(variances.data());
+  return (rotation * each.asDiagonal()).lazyProduct(rotation.transpose());
 }
 
 double ErrorState::gyr_matrix_variance(int element, double unlearnt2) const noexcept {

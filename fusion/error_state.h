@@ -64,9 +64,9 @@ class ErrorState {
   [[nodiscard]] auto by_iron() const noexcept { return untold().leftCols<kOfIron>(); }
   [[nodiscard]] auto by_iron() noexcept { return untold().leftCols<kOfIron>(); }
 
-  /// (A34) error = what P holds + S (unlearnt error of the gyroscope's matrix, element by element): the rotation's
-  /// rows.
-  [[nodiscard]] Eigen::Matrix<double, 3, kOfGyrMatrix> turned_by_gyr_matrix() const noexcept;
+  /// (A34) error = what P holds + S (unlearnt error of the gyroscope's matrix): variance of the rotation, world axes,
+  /// for these variances of its elements.
+  [[nodiscard]] Mat3 unlearnt_rad2(const Array9& variances) const noexcept;
   /// Of one element of it: what P holds, and its own part of the variance that is not learnt.
   [[nodiscard]] double gyr_matrix_variance(int element, double unlearnt2) const noexcept;
   /// It is now known from elsewhere: its error with that variance. What the unlearnt part has done to the other errors

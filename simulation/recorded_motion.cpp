@@ -81,7 +81,7 @@ bool sways(const ReferenceTrack& track, const Span& span, double step_s) {
   return wanders(turns, piece, kSway_rad) || wanders(places, piece, kSway_m);
 }
 
-std::vector<Span> rest_spans(const ReferenceTrack& track) {
+std::vector<Span> rest_spans(const ReferenceTrack& track, double step_s) {
   std::vector<bool> still = track.moving.empty() ? recognise_rest(track) : track.moving;
   if (!track.moving.empty()) still.flip();
   std::vector<Span> spans;
@@ -92,8 +92,7 @@ std::vector<Span> rest_spans(const ReferenceTrack& track) {
     if (track.t_s[last] - track.t_s[i] >= kShortestRest_s) spans.emplace_back(i, last);
     i = last;
   }
-  if (track.moving.empty())
-    std::erase_if(spans, [&, step_s = median_step(track.t_s)](const Span& span) { return sways(track, span, step_s); });
+  if (track.moving.empty()) std::erase_if(spans, [&](const Span& span) { return sways(track, span, step_s); });
   return spans;
 }
 
@@ -176,7 +175,7 @@ Result<std::unique_ptr<Motion>> RecordedMotion::from(ReferenceTrack track) {
   turns.weight.assign(n, 1.0);
   places.t_s = turns.t_s;
   places.weight = turns.weight;
-  const auto rests = rest_spans(track);
+  const auto rests = rest_spans(track, step_s);
   // Sensors feel the second derivative of the place and the first of the orientation.
   const double turn_penalty = penalty_against_noise(turns, rests, step_s, 1);
   const double place_penalty = penalty_against_noise(places, rests, step_s, 2);

@@ -6,7 +6,9 @@
 #include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <optional>
+#include <string_view>
 
 #include "core/directions.h"
 #include "core/so3.h"
@@ -40,6 +42,31 @@ Course course_of(const io::Recording& r, Sensor k) {
   Course c{filled3(column(r, k)), {r.median_step_s(), Series(static_cast<Eigen::Index>(r.size()))}};
   for (std::size_t i = 0; i < r.size(); ++i) c.rows.t_s[static_cast<Eigen::Index>(i)] = r.t_s(i) - r.t_s(0);
   return c;
+}
+
+/// What neighbours scatter, in the quietest tenth of the seconds.
+double quiet_noise(const Series3& x, double step_s) {
+  const auto block = std::max<Eigen::Index>(10, std::lround(1.0 / step_s));
+  std::vector<double> sd;
+  for (Eigen::Index b = 0; b + block <= x.rows(); b += block) {
+    double sum = 0.0;
+    for (Eigen::Index i = b + 2; i + 2 < b + block; ++i)  // fourth differences: no motion is left in them
+      sum += (x.row(i - 2) - 4.0 * x.row(i - 1) + 6.0 * x.row(i) - 4.0 * x.row(i + 1) + x.row(i + 2)).squaredNorm();
+    sd.push_back(std::sqrt(sum / (70.0 * 3.0 * static_cast<double>(block - 4))));
+  }
+  return sd.empty() ? 0.0 : quantile(std::move(sd), 0.1);
+}
+
+/// White noise of one reading, of the rows in which it was read: what stands between them in a filled column has none
+/// of its own.
+double noise_of(const io::Recording& r, Sensor k) {
+  std::vector<Vec3> read;
+  const auto is_read = [](const Vec3& v) { return v.allFinite(); };
+  std::copy_if(column(r, k).begin(), column(r, k).end(), std::back_inserter(read), is_read);
+  const auto times = io::sensor_times(r);
+  const auto own = std::find_if(times.begin(), times.end(),
+                                [k](const auto& t) { return std::string_view(t.name) == kSensorName[k]; });
+  return own == times.end() || !(own->median_step_s > 0.0) ? 0.0 : quiet_noise(filled3(read), own->median_step_s);
 }
 
 /// The rate between neighbouring frames of the reference, at the middle between them.
@@ -221,18 +248,6 @@ void add_reference(const io::Recording& log, const Course& recording, const Cloc
 
 }  // namespace
 
-double quiet_noise(const Series3& x, double step_s) {
-  const auto block = std::max<Eigen::Index>(10, std::lround(1.0 / step_s));
-  std::vector<double> sd;
-  for (Eigen::Index b = 0; b + block <= x.rows(); b += block) {
-    double sum = 0.0;
-    for (Eigen::Index i = b + 2; i + 2 < b + block; ++i)  // fourth differences: no motion is left in them
-      sum += (x.row(i - 2) - 4.0 * x.row(i - 1) + 6.0 * x.row(i) - 4.0 * x.row(i + 1) + x.row(i + 2)).squaredNorm();
-    sd.push_back(std::sqrt(sum / (70.0 * 3.0 * static_cast<double>(block - 4))));
-  }
-  return sd.empty() ? 0.0 : quantile(std::move(sd), 0.1);
-}
-
 Result<AlignedLog> align(const io::Recording& log, const io::Recording& recording) {
   const Sensor lead = holds(log, kGyr) && holds(recording, kGyr) ? kGyr : kAcc;
   if (!holds(log, lead) || !holds(recording, lead))
@@ -274,10 +289,11 @@ Result<AlignedLog> align(const io::Recording& log, const io::Recording& recordin
     if (!holds(log, k) || !holds(recording, k)) continue;
     const Course c = course_of(log, k), own = course_of(recording, k);
     out.reading[k] = at_rows_of(own, c, clocks);
-    out.noise_sd[k] = quiet_noise(c.x, log.median_step_s());
+    out.noise_sd[k] = noise_of(log, k);
+    out.own_noise_sd[k] = noise_of(recording, k);
     if (const std::string what = difference(k, linear_map(out.reading[k], own.x, out.outside)); !what.empty())
       return fail(ErrorKind::kBadData, what);
-    if (const double noise = quiet_noise(own.x, recording.median_step_s()); out.noise_sd[k] > 1.3 * noise && noise > 0)
+    if (const double noise = out.own_noise_sd[k]; out.noise_sd[k] > 1.3 * noise && noise > 0)
       out.notices.push_back(
           fmt::format("{}: the simulated log is noisier ({:.2g} {}) than the recording ({:.2g}): the "
                       "noise may be in it twice",

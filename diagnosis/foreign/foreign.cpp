@@ -1,9 +1,7 @@
 #include "diagnosis/foreign/foreign.h"
 
 #include <Eigen/Cholesky>
-#include <algorithm>
 #include <cmath>
-#include <iterator>
 
 #include "diagnosis/reference/given_effects.h"
 #include "diagnosis/reference/with_reference.h"
@@ -30,17 +28,9 @@ Vec3 field_of(const AlignedLog& log) {
   return G.ldlt().solve(g).head<3>();
 }
 
-/// Of the rows in which it was read: what stands between them in a filled column has no noise of its own.
-double own_noise(const std::vector<Vec3>& column, double duration_s) {
-  std::vector<Vec3> read;
-  std::copy_if(column.begin(), column.end(), std::back_inserter(read), [](const Vec3& v) { return v.allFinite(); });
-  return read.size() < 2 ? 0.0 : quiet_noise(filled3(read), duration_s / static_cast<double>(read.size() - 1));
-}
-
 /// A simulation that changes nothing: what the log says is what the sensor should read. The noise is that of both.
 sim::SimulationConfig nothing_added(const AlignedLog& log, const io::Recording& recording) {
   sim::SimulationConfig out;
-  const double duration_s = recording.t_s(recording.size() - 1) - recording.t_s(0);
   out.rate_hz = 1.0 / recording.median_step_s();
   const std::array<const std::vector<Vec3>*, kSensors> columns{&recording.acc_mps2, &recording.gyr_radps,
                                                                &recording.mag_uT};
@@ -48,7 +38,7 @@ sim::SimulationConfig nothing_added(const AlignedLog& log, const io::Recording& 
                                                                       &out.magnetometer};
   for (std::size_t k = 0; k < kSensors; ++k)
     if (!columns[k]->empty() && log.reading[k].rows() > 0)
-      *triads[k] = sim::TriadConfig{.noise_sd = std::hypot(own_noise(*columns[k], duration_s), log.noise_sd[k])};
+      *triads[k] = sim::TriadConfig{.noise_sd = std::hypot(log.own_noise_sd[k], log.noise_sd[k])};
   if (log.reading[kMag].rows() > 0) out.field_world_uT = field_of(log);
   return out;
 }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "diagnosis/reference/evidence.h"
 #include "diagnosis/reference/sensors_at_once.h"
@@ -126,16 +127,17 @@ void join_delays(const Signals& s, EngineResult& r) {
   };
   if (std::any_of(all.begin() + 1, all.end(), disagrees)) return;
   Found& f = r.sensor[lead.sensor]->found[lead.at];
-  std::vector<std::optional<Series3>> unseen;
-  for (const SensorSearch* other : others) {
-    unseen.push_back(same_offset(s, other->sensor, f));
-    if (unseen.back() && gain_of_offset(*other, *unseen.back()) < -kClearNats) return;
+  std::vector<std::pair<SensorSearch*, Series3>> unseen;
+  for (SensorSearch* other : others) {
+    auto offset = same_offset(s, other->sensor, f);
+    if (!offset) continue;
+    if (gain_of_offset(*other, *offset) < -kClearNats) return;
+    unseen.emplace_back(other, std::move(*offset));
   }
   std::vector<Sensor> sensors{lead.sensor};
-  for (std::size_t i = 0; i < others.size(); ++i) {
-    if (!unseen[i]) continue;
-    others[i]->target.residual -= *unseen[i];
-    sensors.push_back(others[i]->sensor);
+  for (const auto& [other, offset] : unseen) {
+    other->target.residual -= offset;
+    sensors.push_back(other->sensor);
   }
   for (auto l = all.begin() + 1; l != all.end(); ++l) {
     SensorSearch& other = *r.sensor[l->sensor];

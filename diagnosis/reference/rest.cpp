@@ -50,12 +50,14 @@ void add_rests(const Rows& still, Eigen::Index margin, Mask& rest) {
       });
 }
 
-/// Squared length of a vector's mean over windows: what a camera's noise leaves of it is little.
-Series steady_square(const Series3& x, Eigen::Index half) {
-  Series out = Series::Zero(x.rows());
-  for (int axis = 0; axis < 3; ++axis) out += moving_mean(x.col(axis), half).cwiseAbs2();
+/// A vector's mean over windows: what a camera's noise leaves in it is little.
+Series3 steady(const Series3& x, Eigen::Index half) {
+  Series3 out(x.rows(), 3);
+  for (int axis = 0; axis < 3; ++axis) out.col(axis) = moving_mean(x.col(axis), half);
   return out;
 }
+
+Series steady_square(const Series3& x, Eigen::Index half) { return steady(x, half).rowwise().squaredNorm(); }
 
 }  // namespace
 
@@ -112,11 +114,7 @@ void wake_where_both_move(Mask& rest, const Signals& s, const Series3& rate_radp
   constexpr double kMean_s = 0.3;             // a camera's noise is faster than who sways
   if (!s.present[kGyr]) return;
   const auto half = static_cast<Eigen::Index>(0.5 * kMean_s / s.dt_s);
-  Series3 slow_rate(s.n, 3), slow_reading(s.n, 3);
-  for (int axis = 0; axis < 3; ++axis) {
-    slow_rate.col(axis) = moving_mean(rate_radps.col(axis), half);
-    slow_reading.col(axis) = moving_mean(s.reading[kGyr].col(axis), half);
-  }
+  const Series3 slow_rate = steady(rate_radps, half), slow_reading = steady(s.reading[kGyr], half);
   wake(rest, [&](Eigen::Index begin, Eigen::Index end) {
     const auto seen = slow_rate.middleRows(begin, end - begin);
     const auto read = slow_reading.middleRows(begin, end - begin);
