@@ -4,11 +4,13 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/units.h"
+
 namespace stillpoint::calib {
 namespace {
 
-constexpr double kGate = 4.0;                 // sd; beyond, a window is refused
-constexpr double kHuber = 1.5;                // sd; beyond, a window counts less
+constexpr double kWindowGate_sd = 4.0;        // sd; beyond, a window is refused
+constexpr double kHuber_sd = 1.5;             // sd; beyond, a window counts less
 constexpr double kSameDirection = 0.985;      // cosine of 10 degrees
 constexpr double kSameDirectionLimit = 10.0;  // Gietzelt 2.4: up to ten measurements of a direction
 constexpr double kShortWay_rad = 0.1;         // 2 % of it are 2 mrad
@@ -18,9 +20,7 @@ constexpr double kDoubtComes = 1.0, kDoubtGoes = 0.1;  // share of one attitude 
 constexpr double kLeastNoise = 0.25;                   // of the assumed variance
 constexpr double kMostlyNoise = 0.5;                   // of an error: what is known is the smaller part
 constexpr std::uint32_t kRefusedToOpen = 2;            // in a row: a single window may have been pushed
-constexpr std::uint32_t kAttitudesNeeded = 4;          // to win, and to have learnt something worth defending
-
-double squared(double v) { return v * v; }
+constexpr std::uint32_t kAttitudesToWin = 4;           // to win, and to have learnt something worth defending
 
 }  // namespace
 
@@ -88,7 +88,7 @@ bool AccLearner::absorb(const Window& w) noexcept {
   const AccFilter::Innovation e = innovation(x, w.temp_degC);
   const double ratio = std::abs(e.value) / std::sqrt(e.variance + variance + slope_variance());
   // What is known well is not given up to a push: it is refused as if there were none.
-  const bool refused = squared(e.value) > squared(kGate) * (e.variance + calm + slope_variance());
+  const bool refused = squared(e.value) > squared(kWindowGate_sd) * (e.variance + calm + slope_variance());
   if (s_.same_direction == 0 && !refused && e.variance < variance) follow_drift(e, variance);
   hear(x, w.temp_degC, variance, refused);
   if (refused) {
@@ -104,7 +104,7 @@ bool AccLearner::absorb(const Window& w) noexcept {
   const bool fresh = s_.same_direction < kSameDirectionLimit;
   if (fresh && e.variance < kMostlyNoise * variance && 4.0 * s_.unrest.variance() + sideways < calm)
     s_.noise.see(ratio * ratio * s_.noise.variance_scale(kLeastNoise), 1.0);
-  learn(x, w, variance, std::max(1.0, ratio / kHuber));
+  learn(x, w, variance, std::max(1.0, ratio / kHuber_sd));
   s_.learnt_in.add(x.normalized());
   ++s_.windows;
   return true;
@@ -112,7 +112,7 @@ bool AccLearner::absorb(const Window& w) noexcept {
 
 /// Another sensor, a blow, a wrong range: as far from the prior as the surprise is large.
 void AccLearner::open_rival(const Vec3& up_body, double surprise) noexcept {
-  if (s_.learnt_in.count >= kAttitudesNeeded && polynomial())
+  if (s_.learnt_in.count >= kAttitudesToWin && polynomial())
     rival_.restore(published_.state());
   else
     rival_.reset();
@@ -141,8 +141,9 @@ void AccLearner::hear(const Vec3& x, double temp_degC, double variance, bool ref
   }
   s_.pending = first ? 0.0 : std::min(0.0, vote);
   const double ratio = std::abs(rival.value) / std::sqrt(S);
-  if (!rivalry_.rival_is_former() || ratio < kGate) rival_.update(x, t, variance * std::max(1.0, ratio / kHuber));
-  const auto verdict = rivalry_.verdict(kAttitudesNeeded);
+  if (!rivalry_.rival_is_former() || ratio < kWindowGate_sd)
+    rival_.update(x, t, variance * std::max(1.0, ratio / kHuber_sd));
+  const auto verdict = rivalry_.verdict(kAttitudesToWin);
   if (verdict == Rivalry::Verdict::kRivalWins) exchange();
   if (verdict == Rivalry::Verdict::kPublishedStays) rivalry_.close();
 }
@@ -164,7 +165,7 @@ void AccLearner::exchange() noexcept {
 /// more than was stated.
 void AccLearner::follow_drift(const AccFilter::Innovation& e, double variance) noexcept {
   const double stated = e.variance + variance;
-  const double excess = std::min(squared(e.value), squared(kGate) * stated) - stated;
+  const double excess = std::min(squared(e.value), squared(kWindowGate_sd) * stated) - stated;
   unexplained_ += (excess > unexplained_ ? kDoubtComes : kDoubtGoes) * (excess - unexplained_);
 }
 

@@ -6,21 +6,20 @@
 
 #include "calib_online/directions.h"
 #include "core/so3.h"
+#include "core/units.h"
 
 namespace stillpoint::calib {
 namespace {
 
-constexpr double kGate = 16.0;             // chi-square of three; beyond, a pair is set aside
-constexpr double kStillLearning = 2.0;     // a misfit mostly of the states is no verdict on what was learnt
-constexpr double kMemory = 0.98;           // of the misfits, a pair
-constexpr double kChangeMemory = 0.9;      // of those that speak of a change
-constexpr double kExplained = 0.7;         // of the misfits' energy by one carried field: it turns with the body
-constexpr std::uint32_t kRunToChange = 6;  // pairs set aside lately
-constexpr std::uint32_t kLeastPairs = 30;  // before anything is said to be better than the factory calibration
+constexpr double kPairGate = 16.0;           // chi-square of three; beyond, a pair is set aside
+constexpr double kStillLearning = 2.0;       // a misfit mostly of the states is no verdict on what was learnt
+constexpr double kMemory = 0.98;             // of the misfits, a pair
+constexpr double kChangeMemory = 0.9;        // of those that speak of a change
+constexpr double kExplainedByCarried = 0.7;  // of the misfits' energy by one carried field: it turns with the body
+constexpr std::uint32_t kRunToChange = 6;    // pairs set aside lately
+constexpr std::uint32_t kLeastPairs = 30;    // before anything is said to be better than the factory calibration
 constexpr double kKnown = 0.02;  // of the field, where it is known worst: 1.1 deg of heading; or of what is carried
 constexpr double kBetter = 0.1;  // of the factory's mean square misfit; what is left is the world's and may be in D too
-
-double squared(double v) { return v * v; }
 
 }  // namespace
 
@@ -92,8 +91,8 @@ FieldFilter::Verdict FieldFilter::update(const Pair& pair) noexcept {
   if (!S_inv.allFinite() || !e.allFinite()) return Verdict::kWorldChanged;
   // A place as uneven as was assumed at first is no change, however even it was until now.
   const Mat3 S_first = S + std::max(0.0, squared(params_.place_uT) - own) * Mat3::Identity();
-  const bool rejected = e.dot(S_first.inverse() * e) > kGate;
-  const double limit = kGate * S_first.trace() / 3.0;  // one gross misfit must not make the next ones look small
+  const bool rejected = e.dot(S_first.inverse() * e) > kPairGate;
+  const double limit = kPairGate * S_first.trace() / 3.0;  // one gross misfit must not make the next ones look small
   const double misfit = std::min(e.squaredNorm(), limit);
   const Mat3 known = h * Ph;
   if (known.trace() < kStillLearning * (S - known).trace()) {
@@ -113,7 +112,7 @@ FieldFilter::Verdict FieldFilter::update(const Pair& pair) noexcept {
   // (F4) Noise averages out over pairs. The place does not: a hand comes back to the same spots in the same attitudes.
   // Nor does the gyroscope: its matrix is wrong in the same way in every turn.
   const Mat3 repeated = (params_.repeats - 1.0) * ((own - s_.white_uT2) * Mat3::Identity() + turned);
-  const double surprise = std::max(1.0, e.dot(S_inv * e) / kGate);
+  const double surprise = std::max(1.0, e.dot(S_inv * e) / kPairGate);
   const Eigen::Matrix<double, kStates, 3> gain = Ph * Mat3(surprise * S + repeated).inverse();
   x += gain * e;
   StateMat next = P - gain * Ph.transpose();
@@ -143,7 +142,7 @@ std::optional<Vec3> FieldFilter::change_of_body() const noexcept {
   if (s_.rejected_run < kRunToChange) return std::nullopt;
   const Mat3 N = mat(s_.change_information) + 0.05 * Mat3::Identity();
   const Vec3 change = N.ldlt().solve(vec(s_.change_rhs));
-  if (change.dot(vec(s_.change_rhs)) > kExplained * s_.change_energy) return change;
+  if (change.dot(vec(s_.change_rhs)) > kExplainedByCarried * s_.change_energy) return change;
   return std::nullopt;
 }
 

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/units.h"
+
 namespace stillpoint::calib {
 namespace {
 
@@ -11,13 +13,11 @@ constexpr double kStretch_s = 900.0;                   // longer, and the bias m
 constexpr double kStretchTemp_K = 4.0;                 // beyond, one mean says too little of the slope
 constexpr double kAnotherAttitude = 0.985;             // cosine of 10 degrees
 constexpr double kSingle_radps = 0.1 * kRadPerDeg;     // a stretch of one window may be no rest at all; fades as 1/n
-constexpr double kLeastNoise = 0.01;                   // of the assumed variance
-constexpr double kMostlyNoise = 0.5;                   // of an error: what is known is the smaller part
-constexpr double kHuber = 2.0;                         // sd; beyond, a window counts less
+constexpr double kLeastGyrNoise = 0.01;                // of the assumed variance
+constexpr double kMostlyGyrNoise = 0.5;                // of an error: what is known is the smaller part
+constexpr double kGyrHuber_sd = 2.0;                   // sd; beyond, a window counts less
 constexpr double kFreeTurn_radps = 30.0 * kRadPerDeg;  // any turn about an axis that neither gravity nor field shows
 constexpr double kUnseen = 4.0;                        // times the variance of a turn about the others: such an axis
-
-double squared(double v) { return v * v; }
 
 double log_determinant(const Mat3& S) { return std::log(std::max(1e-300, S.determinant())); }
 
@@ -39,7 +39,7 @@ void Stretch::add(const RestRate& r) noexcept {
   // Huber, against the stretch so far: one pushed window must not carry a mean of many.
   const double surprise =
       n > 1 ? (r.rate_radps - vec(rate)).norm() / std::sqrt(r.covariance.trace() + squared(kSingle_radps / n)) : 0.0;
-  vec(rate) += (r.rate_radps - vec(rate)) / (n * std::max(1.0, surprise / kHuber));
+  vec(rate) += (r.rate_radps - vec(rate)) / (n * std::max(1.0, surprise / kGyrHuber_sd));
   mat(covariance) += (r.covariance - mat(covariance)) / n;
   vec(rounding_var) += (r.rounding_var - vec(rounding_var)) / n;
   tau += (r.tau - tau) / n;
@@ -80,7 +80,7 @@ void GyrHypothesis::restore(const State& s) noexcept {
   noise_ = s.noise;
 }
 
-double GyrHypothesis::noise_scale() const noexcept { return noise_.variance_scale(kLeastNoise); }
+double GyrHypothesis::noise_scale() const noexcept { return noise_.variance_scale(kLeastGyrNoise); }
 
 void GyrHypothesis::separate(const RestRate& r, bool moved) noexcept {
   const bool another = moved || (stretch_.windows > 0 && !stretch_.same_attitude(r));
@@ -125,7 +125,7 @@ Fit GyrHypothesis::fit_of_stretch(const Stretch& s) const noexcept {
 bool GyrHypothesis::see(const Stretch& attitude, double gate) noexcept {
   const Fit fit = fit_of_stretch(attitude);
   const double known = filter_.covariance_at(attitude.tau, attitude.tau2).trace() / 3.0;
-  if (known > kMostlyNoise * fit.variance || fit.chi2 > gate) return false;
+  if (known > kMostlyGyrNoise * fit.variance || fit.chi2 > gate) return false;
   noise_.see(fit.chi2 * noise_scale(), attitude.unseen_axis().isZero() ? 3.0 : 2.0);
   return true;
 }

@@ -8,16 +8,16 @@
 namespace stillpoint::calib {
 namespace {
 
-constexpr double kGate = 48.0;  // chi-square of three: 4 sd an axis; beyond, a window is refused
+constexpr double kRestGate = 48.0;  // chi-square of three: 4 sd an axis; beyond, a window is refused
 constexpr double kRivalBias_radps = 10.0 * kRadPerDeg;  // half of what data sheets allow
 constexpr std::uint32_t kAttitudesNeeded = 3;
 constexpr std::uint32_t kWindowsAsAttitude = 8;  // where gravity and field exclude a turn, time is evidence too
 constexpr double kTurnExcluded_radps = 0.04 * kRadPerDeg;
-constexpr std::uint32_t kRefusedToOpen = 2;  // in a row: a single window may have been pushed
-constexpr double kOff = 30.0;                // chi-square of three over many attitudes: 1e-6 by chance
-constexpr double kNotOff = 3.0;              // the same: what chance makes of it
-constexpr double kDriftShare = 0.25;         // of one attitude in the mean of what they are off
-constexpr double kOneSided = 0.5;            // of the mean square, the squared mean: by chance 0.14
+constexpr std::uint32_t kRestsRefusedToOpen = 2;  // in a row: a single window may have been pushed
+constexpr double kOff = 30.0;                     // chi-square of three over many attitudes: 1e-6 by chance
+constexpr double kNotOff = 3.0;                   // the same: what chance makes of it
+constexpr double kDriftShare = 0.25;              // of one attitude in the mean of what they are off
+constexpr double kOneSided = 0.5;                 // of the mean square, the squared mean: by chance 0.14
 constexpr double kResidualMemory = 0.5;
 constexpr double kContradicted = 16.0;  // chi-square of three: the rates of lately
 constexpr double kChangedAtAll = 0.15;  // probability that a rate which surprises is another bias and not a turn
@@ -105,9 +105,9 @@ void GyrLearner::follow_drift() noexcept {
 /// The attitude speaks once, when it is over.
 void GyrLearner::end_attitude() noexcept {
   const double for_rival = vote();  // by the noise that was known before it
-  if (published_.see(attitude_, kGate)) follow_drift();
+  if (published_.see(attitude_, kRestGate)) follow_drift();
   if (rivalry_.is_open()) {
-    rival_.see(attitude_, kGate);
+    rival_.see(attitude_, kRestGate);
     rivalry_.add_vote(for_rival, vec(attitude_.up));
     switch (rivalry_.verdict(kAttitudesNeeded)) {
       case Rivalry::Verdict::kRivalWins:
@@ -147,17 +147,17 @@ bool GyrLearner::absorb(const Window& w, double direction_sd) noexcept {
     end_attitude();
   published_.separate(r, w.moved);
   if (rivalry_.is_open()) rival_.separate(r, w.moved);
-  const bool refused = published_.fit(r).chi2 > kGate;
+  const bool refused = published_.fit(r).chi2 > kRestGate;
   in_a_row_ = refused ? in_a_row_ + 1 : 0;
   const Vec3 e = r.rate_radps - published_.now().at(r.tau, r.tau * r.tau);
   vec(residual_) += kResidualMemory * (e - vec(residual_));
-  if (refused && in_a_row_ >= kRefusedToOpen && !rivalry_.is_open()) open_rival(r.up_body);
+  if (refused && in_a_row_ >= kRestsRefusedToOpen && !rivalry_.is_open()) open_rival(r.up_body);
   attitude_.add(r);
   if (!refused)
     published_.take(r);
   else
     ++refused_;
-  if (rivalry_.is_open() && (!rivalry_.rival_is_former() || rival_.fit(r).chi2 < kGate)) rival_.take(r);
+  if (rivalry_.is_open() && (!rivalry_.rival_is_former() || rival_.fit(r).chi2 < kRestGate)) rival_.take(r);
   seen_.add(r.up_body);
   if (published_.windows() == 0 && rivalry_.is_open() && attitude_.windows >= kRefusedAtFirst) {
     published_ = rival_;  // nothing was learnt that could be defended

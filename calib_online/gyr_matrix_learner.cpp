@@ -10,9 +10,9 @@
 namespace stillpoint::calib {
 namespace {
 
-constexpr double kGate = 25.0;              // chi-square of three; beyond, a turn is refused
+constexpr double kTurnGate = 25.0;          // chi-square of three; beyond, a turn is refused
 constexpr double kLongestTurn_rad = 15.0;   // beyond, what is not in the matrix outweighs it
-constexpr double kLeastTurn_rad = 0.2;      // smaller turns say nothing of the matrix
+constexpr double kTellsOfMatrix_rad = 0.2;  // smaller turns say nothing of the matrix
 constexpr double kDirectionFloor = 0.002;   // rad, of a window's direction
 constexpr double kFactoryDirection = 0.03;  // rad, before the accelerometer is learnt
 constexpr double kMostCorrected_rad = 0.2;  // by a bias that became known on the way; beyond, it is no small angle
@@ -23,14 +23,12 @@ constexpr double kLatelyAtFirst =
     100.0;                             // of another sensor: ten times the sd, until its turns have shown how they fit
 constexpr double kLatelyShare = 0.15;  // of a turn
 constexpr double kWhileRefused = 2.0;  // nats for the rival, for the stated deviation
-constexpr double kLeastNoise = 0.01;   // of the assumed variance
-constexpr double kScaleDoubted = 9.0;  // chi-square of a known turn, by the factory's scales
-constexpr double kExplained = 0.25;    // of that, by wide ones: the prior is what contradicts
-constexpr int kRounds = 4;             // an axis is by the matrix: after three its change is below 1e-4
+constexpr double kLeastTurnNoise = 0.01;  // of the assumed variance
+constexpr double kScaleDoubted = 9.0;     // chi-square of a known turn, by the factory's scales
+constexpr double kExplained = 0.25;       // of that, by wide ones: the prior is what contradicts
+constexpr int kRounds = 4;                // an axis is by the matrix: after three its change is below 1e-4
 constexpr std::uint32_t kTurnsNeeded = 4;
-constexpr std::uint32_t kRefusedToOpen = 2;  // in a row
-
-double squared(double v) { return v * v; }
+constexpr std::uint32_t kTurnsRefusedToOpen = 2;  // in a row
 
 }  // namespace
 
@@ -106,9 +104,9 @@ bool GyrMatrixLearner::absorb(const Window& w, const CalibrationSnapshot& used, 
   s_.previous_temp_degC = w.temp_degC;
   s_.has_previous = turn.u_after.allFinite() ? 1 : 0;
   if (!had || !turn.u_after.allFinite() || !turn.u_before.allFinite() || !w.rotation_valid) return false;
-  if (w.rotation_path_rad < kLeastTurn_rad || w.rotation_path_rad > kLongestTurn_rad) return false;
+  if (w.rotation_path_rad < kTellsOfMatrix_rad || w.rotation_path_rad > kLongestTurn_rad) return false;
   const double known = used.acc.norm_sd > 0.0 ? used.acc.norm_sd / gravity_mps2_ : kFactoryDirection;
-  turn.noise_scale = s_.noise.variance_scale(kLeastNoise);
+  turn.noise_scale = s_.noise.variance_scale(kLeastTurnNoise);
   turn.direction_var = squared(known) + pushed_var + turn.noise_scale * squared(kDirectionFloor);
   // The way was integrated with the bias that was known then.
   const Mat3 J_bias = mat(w.d_rotation_d_bias);
@@ -133,7 +131,7 @@ bool GyrMatrixLearner::absorb(const Window& w, const CalibrationSnapshot& used, 
 /// Every turn speaks; about which axis is what a turn about another does not repeat.
 void GyrMatrixLearner::learn(const Turn& turn) noexcept {
   const Fit by_published = turn.by(published());
-  const bool refused = by_published.chi2 > kGate;
+  const bool refused = by_published.chi2 > kTurnGate;
   s_.in_a_row = refused ? s_.in_a_row + 1 : 0;
   const Vec3 axis = turn.R.transpose() * turn.u_before;
   // Neither bias nor directions are known well enough for a verdict.
@@ -150,7 +148,7 @@ void GyrMatrixLearner::learn(const Turn& turn) noexcept {
   if (rivalry_.is_open()) {
     rivalry_.add_vote(Rivalry::vote(by_published, turn.by(fit(s_.rival, MatrixPrior::kWide))), axis);
     if (rivalry_.verdict(kTurnsNeeded) == Rivalry::Verdict::kPublishedStays) rivalry_.close();
-  } else if (refused && s_.in_a_row >= kRefusedToOpen) {
+  } else if (refused && s_.in_a_row >= kTurnsRefusedToOpen) {
     s_.rival = {};
     rivalry_.open(axis);
   }
@@ -172,7 +170,7 @@ void GyrMatrixLearner::learn(const Turn& turn) noexcept {
 void GyrMatrixLearner::sensor_replaced() noexcept {
   s_.lately = std::max(s_.lately, kLatelyAtFirst);
   // So little the turns before count, whatever they agreed in: a sensor that is the same has them confirmed by a few.
-  s_.published.forget(s_.noise.variance_scale(kLeastNoise) / kLatelyAtFirst);
+  s_.published.forget(s_.noise.variance_scale(kLeastTurnNoise) / kLatelyAtFirst);
   if (rivalry_.is_open()) return;
   s_.rival = {};
   rivalry_.open(Vec3::UnitZ());
@@ -199,7 +197,7 @@ bool GyrMatrixLearner::scales_doubted(std::span<const KnownTurn> turns) const no
 KnownTurn* GyrMatrixLearner::best_fit(std::span<KnownTurn> turns) const noexcept {
   const GyroMatrixFit now = published();
   KnownTurn* best = nullptr;
-  double least = kGate;
+  double least = kTurnGate;
   for (KnownTurn& turn : turns)
     if (const double chi2 = seen_by(now, turn).chi2(turn.angle_rad); !turn.used && chi2 < least)
       best = &turn, least = chi2;

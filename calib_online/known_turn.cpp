@@ -11,12 +11,12 @@
 namespace stillpoint::calib {
 namespace {
 
-constexpr double kLeastTurn_rad = 20.0 * kRadPerDeg;  // less is no turn that tells a scale
-constexpr double kRest_radps = 3.0 * kRadPerDeg;      // a hand that holds still is far below, one that turns far above
-constexpr double kSteady = 0.05;                      // rms about the mean rate
-constexpr double kBlock_s = 0.1;                      // the axis and the rate are seen in such parts, noise is not
-constexpr double kBlock_rad = 0.1;                    // a fast turn in shorter ones
-constexpr double kGapSteps = 2.5;                     // as in the reader of recordings
+constexpr double kTellsOfScale_rad = 20.0 * kRadPerDeg;  // less is no turn that tells a scale
+constexpr double kRest_radps = 3.0 * kRadPerDeg;  // a hand that holds still is far below, one that turns far above
+constexpr double kSteady = 0.05;                  // rms about the mean rate
+constexpr double kBlock_s = 0.1;                  // the axis and the rate are seen in such parts, noise is not
+constexpr double kBlock_rad = 0.1;                // a fast turn in shorter ones
+constexpr double kGapSteps = 2.5;                 // as in the reader of recordings
 constexpr std::size_t kFewest = 10;
 constexpr int kPlateau = 4;           // readings at the greatest value
 constexpr std::size_t kRunUp = 3;     // readings that lead there
@@ -186,7 +186,7 @@ Result<KnownTurn> known_turn(const StatedTurn& stated, std::span<const std::int6
   KnownTurn turn;
   for (const Block& b : parts) turn.integral_rad += b.integral_rad;
   const double read_rad = turn.integral_rad.norm();
-  if (read_rad < kLeastTurn_rad)
+  if (read_rad < kTellsOfScale_rad)
     return refused("it turns by %.1f deg only, and 20 are the least; is it the right span?", read_rad * kDegPerRad);
   const Course c = course(parts, turn.integral_rad, duration_s);
   if (stated.steady && c.uneven > kSteady)

@@ -4,10 +4,10 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/units.h"
+
 namespace stillpoint::calib {
 namespace {
-
-double squared(double v) { return v * v; }
 
 /// (d, tau d, tau^2 d_7..9, d_7..9), T2.
 AccFilter::StateVec acc_regressors(const Vec3& x, double tau) {

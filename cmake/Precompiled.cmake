@@ -1,6 +1,7 @@
 # What most files include and is slow to read - Eigen, fmt, the standard library, GoogleTest in the tests - is read once for
 # all of them: without it that was half of a build's time. Such a header serves what is compiled with the same flags only,
-# so there is one for each kind of target. Every file still includes what it uses: -DSTILLPOINT_PRECOMPILED=OFF shows it.
+# so there is one for each kind of target. Every file still includes what it uses: -DSTILLPOINT_PRECOMPILED=OFF
+# -DCMAKE_UNITY_BUILD=OFF shows it.
 option(STILLPOINT_PRECOMPILED "Read the headers that most files include once" ON)
 set(STILLPOINT_OFTEN <Eigen/Dense> <fmt/format.h> <algorithm> <array> <chrono> <cmath> <filesystem> <functional> <map>
     <memory> <mutex> <numbers> <optional> <random> <span> <string> <string_view> <thread> <vector>)

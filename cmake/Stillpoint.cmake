@@ -15,11 +15,19 @@ if(CCACHE)
       CCACHE_BASEDIR=${PROJECT_SOURCE_DIR} CCACHE_NOHASHDIR=1 ${CCACHE})
 endif()
 
+# CMAKE_UNITY_BUILD, which the presets switch on, compiles eight sources of a folder as one: what they instantiate of Eigen
+# and the standard library is instantiated once, and a build takes half the time. Names in unnamed namespaces of one library
+# must differ then; "redefinition" means: rename it. Whoever edits one file over and over is faster with
+# -DCMAKE_UNITY_BUILD=OFF.
+if(CMAKE_UNITY_BUILD AND CMAKE_CXX_COMPILER_ID STREQUAL GNU)
+  set(subobject_linkage -Wno-subobject-linkage)  # an Impl that holds types of its own .cpp looks like one of a header
+endif()
+
 find_package(Threads REQUIRED)
 include(Install)
 
 add_library(stillpoint_options INTERFACE)
-target_compile_options(stillpoint_options INTERFACE -Wall -Wextra -Wpedantic -Wconversion -Wshadow)
+target_compile_options(stillpoint_options INTERFACE -Wall -Wextra -Wpedantic -Wconversion -Wshadow ${subobject_linkage})
 if(NOT STILLPOINT_SANITIZE)  # gcc 12 warns falsely of what sanitizers add
   target_compile_options(stillpoint_options INTERFACE -Werror)
 endif()

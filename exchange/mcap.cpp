@@ -10,15 +10,13 @@
 #include <set>
 
 #include "exchange/cdr.h"
+#include "exchange/mcap_records.h"
 
 namespace stillpoint::exchange {
 namespace {
 
-constexpr std::string_view kMagic("\x89MCAP0\r\n", 8);
 constexpr std::size_t kLargestChunk_bytes = std::size_t{1} << 30;
 constexpr std::size_t kTightest = 40000;  // zstd: a block of 128 KB out of four bytes
-
-enum Opcode : std::uint8_t { kFooter = 2, kSchema = 3, kChannel = 4, kMessage = 5, kChunk = 6, kDataEnd = 15 };
 
 Result<std::string> unpacked(std::string_view packed, const std::string& how, std::size_t size,
                              const std::string& name) {
@@ -74,8 +72,9 @@ class Reader {
         cut_ = true;
         return {};
       }
-      if (opcode == kDataEnd || opcode == kFooter) return {};
-      if (opcode == kChunk && inside_chunk) return fail(ErrorKind::kBadData, name_ + ": a chunk in a chunk; damaged");
+      if (opcode == mcap::kDataEnd || opcode == mcap::kFooter) return {};
+      if (opcode == mcap::kChunk && inside_chunk)
+        return fail(ErrorKind::kBadData, name_ + ": a chunk in a chunk; damaged");
       if (auto done = record(opcode, body); !done) return done;
     }
     return {};
@@ -110,20 +109,20 @@ class Reader {
  private:
   Result<void> record(std::uint8_t opcode, std::string_view body) {
     Bytes b(body);
-    if (opcode == kSchema) {
+    if (opcode == mcap::kSchema) {
       const auto id = b.number<std::uint16_t>();
       schemas_[id] = b.prefixed();
-    } else if (opcode == kChannel) {
+    } else if (opcode == mcap::kChannel) {
       const auto id = b.number<std::uint16_t>(), schema = b.number<std::uint16_t>();
       const std::string topic(b.prefixed()), encoding(b.prefixed());
       topics_.try_emplace(id, Topic{topic, encoding == "cdr" ? schemas_[schema] : encoding, {}, {}, 0, 0});
-    } else if (opcode == kMessage) {
+    } else if (opcode == mcap::kMessage) {
       const auto id = b.number<std::uint16_t>();
       b.skip(4);  // sequence
       const auto logged_ns = static_cast<std::int64_t>(std::min<std::uint64_t>(b.number<std::uint64_t>(), kLatest_ns));
       if (const auto topic = topics_.find(id); topic != topics_.end() && body.size() > 22)
         message(topic->second, logged_ns, body.substr(22));
-    } else if (opcode == kChunk) {
+    } else if (opcode == mcap::kChunk) {
       b.skip(16);  // first and last time
       const auto size = b.number<std::uint64_t>();
       b.skip(4);  // checksum
@@ -183,13 +182,13 @@ class Reader {
 
 }  // namespace
 
-bool is_mcap(std::string_view bytes) { return bytes.substr(0, kMagic.size()) == kMagic; }
+bool is_mcap(std::string_view bytes) { return bytes.substr(0, mcap::kMagic.size()) == mcap::kMagic; }
 
 Result<std::vector<Stream>> read_mcap(std::string_view bytes, const std::string& name, const std::string& topic,
                                       std::vector<std::string>& reasons) {
   if (!is_mcap(bytes)) return fail(ErrorKind::kBadData, name + ": no MCAP file");
   Reader reader(name);
-  if (auto done = reader.records(bytes.substr(kMagic.size()), false); !done) return tl::unexpected(done.error());
+  if (auto done = reader.records(bytes.substr(mcap::kMagic.size()), false); !done) return tl::unexpected(done.error());
   return reader.chosen(topic, reasons);
 }
 

@@ -6,28 +6,15 @@
 #include <algorithm>
 
 #include "exchange/cdr.h"
+#include "exchange/mcap_records.h"
 
 namespace stillpoint::exchange {
 namespace {
 
-constexpr std::string_view kMagic("\x89MCAP0\r\n", 8);
 constexpr std::uint64_t kChunk_ns = 1'000'000'000;
 constexpr std::size_t kChunk_bytes = std::size_t{1} << 20;
 
-enum Opcode : std::uint8_t {
-  kHeader = 1,
-  kFooter,
-  kSchema,
-  kChannel,
-  kMessage,
-  kChunk,
-  kMessageIndex,
-  kChunkIndex,
-  kStatistics = 11,
-  kDataEnd = 15
-};
-
-struct Topic {
+struct WrittenTopic {
   const char *name, *type, *definition;
 };
 #define STILLPOINT_HEADER_DEFINITION                                                                                 \
@@ -38,7 +25,7 @@ struct Topic {
 #define STILLPOINT_VECTOR_DEFINITION                                                                               \
   "================================================================================\nMSG: geometry_msgs/Vector3\n" \
   "float64 x\nfloat64 y\nfloat64 z\n"
-constexpr Topic kAll[] = {
+constexpr WrittenTopic kAll[] = {
     {"/imu/data_raw", "sensor_msgs/msg/Imu",
      "std_msgs/Header header\ngeometry_msgs/Quaternion orientation\nfloat64[9] orientation_covariance\n"
      "geometry_msgs/Vector3 angular_velocity\nfloat64[9] angular_velocity_covariance\n"
@@ -63,7 +50,7 @@ void put_text(std::string& out, std::string_view text) {
   put(out, static_cast<std::uint32_t>(text.size()));
   out += text;
 }
-std::string record(Opcode opcode, const std::string& body) {
+std::string record(mcap::Opcode opcode, const std::string& body) {
   std::string out(1, static_cast<char>(opcode));
   put(out, static_cast<std::uint64_t>(body.size()));
   return out + body;
@@ -82,7 +69,7 @@ std::string schemas_and_channels() {
     put_text(channel, topic.name);
     put_text(channel, "cdr");
     put(channel, std::uint32_t{0});
-    out += record(kSchema, schema) + record(kChannel, channel);
+    out += record(mcap::kSchema, schema) + record(mcap::kChannel, channel);
   }
   return out;
 }
@@ -128,7 +115,8 @@ Result<McapWriter> McapWriter::create(const std::string& path) {
   std::string header;
   put_text(header, "ros2");
   put_text(header, "stillpoint");
-  if (auto done = writer.write(std::string(kMagic) + record(kHeader, header) + schemas_and_channels()); !done)
+  if (auto done = writer.write(std::string(mcap::kMagic) + record(mcap::kHeader, header) + schemas_and_channels());
+      !done)
     return tl::unexpected(done.error());
   return writer;
 }
@@ -145,7 +133,7 @@ void McapWriter::add_message(std::size_t topic, std::uint64_t t_ns, const std::s
   put(body, static_cast<std::uint32_t>(messages_[topic]++));
   put(body, t_ns);
   put(body, t_ns);
-  chunk_ += record(kMessage, body + message);
+  chunk_ += record(mcap::kMessage, body + message);
 }
 
 Result<void> McapWriter::append(const RawSample& sample) {
@@ -169,7 +157,7 @@ Result<void> McapWriter::write_chunk() {
   put(body, static_cast<std::uint32_t>(crc32_z(0, reinterpret_cast<const Bytef*>(chunk_.data()), chunk_.size())));
   put_text(body, "");
   put(body, static_cast<std::uint64_t>(chunk_.size()));
-  std::string out = record(kChunk, body + chunk_);
+  std::string out = record(mcap::kChunk, body + chunk_);
   ChunkPlace place{first_ns_, last_ns_, at_, out.size(), 0, chunk_.size(), {}};
   for (std::size_t topic = 0; topic < kTopics; ++topic) {
     if (index_[topic].empty()) continue;
@@ -178,7 +166,7 @@ Result<void> McapWriter::write_chunk() {
     put(index, static_cast<std::uint16_t>(topic + 1));
     put(index, static_cast<std::uint32_t>(16 * index_[topic].size()));
     for (const Entry& e : index_[topic]) put(index, e.t_ns), put(index, e.offset);
-    out += record(kMessageIndex, index);
+    out += record(mcap::kMessageIndex, index);
     index_[topic].clear();
   }
   place.index_length = out.size() - place.length;
@@ -191,7 +179,7 @@ Result<void> McapWriter::write_chunk() {
 Result<void> McapWriter::finish() {
   if (!chunk_.empty())
     if (auto done = write_chunk(); !done) return done;
-  std::string out = record(kDataEnd, std::string(4, '\0'));
+  std::string out = record(mcap::kDataEnd, std::string(4, '\0'));
   const std::uint64_t summary_at = at_ + out.size();
   out += schemas_and_channels();
   std::string statistics;
@@ -205,7 +193,7 @@ Result<void> McapWriter::finish() {
   put(statistics, std::uint32_t{10 * kTopics});
   for (std::size_t topic = 0; topic < kTopics; ++topic)
     put(statistics, static_cast<std::uint16_t>(topic + 1)), put(statistics, messages_[topic]);
-  out += record(kStatistics, statistics);
+  out += record(mcap::kStatistics, statistics);
   for (const ChunkPlace& c : chunks_) {
     std::string index, places;
     for (const std::uint64_t x : {c.first_ns, c.last_ns, c.start, c.length}) put(index, x);
@@ -216,13 +204,13 @@ Result<void> McapWriter::finish() {
     put_text(index, "");
     put(index, c.size);
     put(index, c.size);
-    out += record(kChunkIndex, index);
+    out += record(mcap::kChunkIndex, index);
   }
   std::string footer;
   put(footer, summary_at);
   put(footer, std::uint64_t{0});
   put(footer, std::uint32_t{0});
-  if (auto done = write(out + record(kFooter, footer) + std::string(kMagic)); !done) return done;
+  if (auto done = write(out + record(mcap::kFooter, footer) + std::string(mcap::kMagic)); !done) return done;
   return file_.flush();
 }
 

@@ -15,10 +15,10 @@ using Json = nlohmann::ordered_json;
 
 constexpr double kPercent = 0.01;
 
-struct Words {
+struct MatlabWords {
   const char *element, *sensor, *unit;
 };
-constexpr std::array<Words, 3> kWords{
+constexpr std::array<MatlabWords, 3> kMatlabWords{
     {{"Accelerometer", "acc", "mps2"}, {"Gyroscope", "gyr", "radps"}, {"Magnetometer", "mag", "uT"}}};
 
 Json list(const Vec3& v) { return {v[0], v[1], v[2]}; }
@@ -48,7 +48,7 @@ Mat3 misalignment_in(const Json& j) {
   return m;
 }
 
-sim::TriadConfig read_triad(const Json& j, const Words& w, ReadParameters& out) {
+sim::TriadConfig read_triad(const Json& j, const MatlabWords& w, ReadParameters& out) {
   sim::TriadConfig t;
   t.bias = vector_in(j, "ConstantBias");
   t.matrix = misalignment_in(j).inverse();
@@ -77,11 +77,11 @@ sim::TriadConfig read_triad(const Json& j, const Words& w, ReadParameters& out) 
 
 /// The element that holds the sensors: at the top, or under the name of a part.
 const Json* part_in(const Json& all) {
-  for (const Words& w : kWords)
+  for (const MatlabWords& w : kMatlabWords)
     if (all.contains(w.element)) return &all;
   for (const auto& [name, part] : all.items())
     if (part.is_object())
-      for (const Words& w : kWords)
+      for (const MatlabWords& w : kMatlabWords)
         if (part.contains(w.element)) return &part;
   return nullptr;
 }
@@ -94,8 +94,9 @@ Result<ReadParameters> read_all(const Json& all, const std::string& name) {
   if (part->contains("SampleRate")) out.simulation.rate_hz = (*part)["SampleRate"].get<double>();
   std::array<std::optional<sim::TriadConfig>*, 3> triads{&out.simulation.accelerometer, &out.simulation.gyroscope,
                                                          &out.simulation.magnetometer};
-  for (std::size_t k = 0; k < kWords.size(); ++k)
-    if (part->contains(kWords[k].element)) *triads[k] = read_triad((*part)[kWords[k].element], kWords[k], out);
+  for (std::size_t k = 0; k < kMatlabWords.size(); ++k)
+    if (part->contains(kMatlabWords[k].element))
+      *triads[k] = read_triad((*part)[kMatlabWords[k].element], kMatlabWords[k], out);
   if (!part->contains("SampleRate")) out.lost.emplace_back("the rate: MATLAB keeps it outside; 100 Hz is taken");
   return out;
 }
@@ -119,7 +120,7 @@ WrittenParameters write_matlab(const sim::SimulationConfig& s) {
   for (const Part& p : parts_of(s)) {
     if (!*p.triad) continue;
     const sim::TriadConfig& t = **p.triad;
-    const Words& w = kWords[static_cast<std::size_t>(p.sensor)];
+    const MatlabWords& w = kMatlabWords[static_cast<std::size_t>(p.sensor)];
     const std::string id = w.sensor, unit = w.unit;
     const auto value = [&](const std::string& effect, const std::string& key) {
       held.push_back(id + effect);

@@ -11,8 +11,6 @@
 namespace stillpoint::exchange::parameters {
 namespace {
 
-constexpr double kReference_degC = 25.0;  // of our effects
-
 struct Words {
   char letter;
   const char *sensor, *unit;

@@ -10,8 +10,6 @@
 namespace stillpoint::exchange::parameters {
 namespace {
 
-constexpr double kReference_degC = 25.0;  // of our effects
-
 const char* unit_of(sim::Sensor sensor) {
   return sensor == sim::Sensor::kAcc ? "mps2" : sensor == sim::Sensor::kGyr ? "radps" : "uT";
 }

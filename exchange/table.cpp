@@ -70,9 +70,9 @@ std::optional<std::int64_t> whole_number(std::string_view field) {
 
 constexpr std::int64_t kExact = std::int64_t{1} << 50;  ///< beyond it a double no longer tells ns apart
 
-class Reader {
+class TableReader {
  public:
-  Reader(std::string_view text, const std::string& name) : text_(text) { table_.name = name; }
+  TableReader(std::string_view text, const std::string& name) : text_(text) { table_.name = name; }
 
   Result<Table> run() {
     if (text_.substr(0, 3) == "\xEF\xBB\xBF") text_.remove_prefix(3);
@@ -177,6 +177,6 @@ const Column* Table::find(std::string_view column) const {
   return nullptr;
 }
 
-Result<Table> parse_table(std::string_view text, const std::string& name) { return Reader(text, name).run(); }
+Result<Table> parse_table(std::string_view text, const std::string& name) { return TableReader(text, name).run(); }
 
 }  // namespace stillpoint::exchange

@@ -15,7 +15,7 @@
 namespace stillpoint::exchange {
 namespace {
 
-constexpr std::string_view kMagic("ULog\x01\x12\x35", 7);
+constexpr std::string_view kUlogMagic("ULog\x01\x12\x35", 7);
 
 constexpr std::size_t kLongestRecord = 65535;                ///< what the length of a message can say
 constexpr std::uint64_t kLatest_us = 4'600'000'000'000'000;  ///< 146 years: in ns the difference of any two fits
@@ -86,9 +86,9 @@ std::optional<std::int64_t> time_at(std::string_view data, const Place& place) {
   return static_cast<std::int64_t>(us) * 1000;
 }
 
-class Reader {
+class UlogReader {
  public:
-  Reader(std::string_view bytes, std::string name) : bytes_(bytes), name_(std::move(name)) {}
+  UlogReader(std::string_view bytes, std::string name) : bytes_(bytes), name_(std::move(name)) {}
 
   Result<std::vector<Stream>> run(std::vector<std::string>& reasons) {
     bytes_.skip(16);
@@ -239,12 +239,12 @@ class Reader {
 
 }  // namespace
 
-bool is_ulog(std::string_view bytes) { return bytes.substr(0, kMagic.size()) == kMagic; }
+bool is_ulog(std::string_view bytes) { return bytes.substr(0, kUlogMagic.size()) == kUlogMagic; }
 
 Result<std::vector<Stream>> read_ulog(std::string_view bytes, const std::string& name,
                                       std::vector<std::string>& reasons) {
   if (!is_ulog(bytes)) return fail(ErrorKind::kBadData, name + ": no ULog file");
-  return Reader(bytes, name).run(reasons);
+  return UlogReader(bytes, name).run(reasons);
 }
 
 }  // namespace stillpoint::exchange

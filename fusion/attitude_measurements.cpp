@@ -9,7 +9,6 @@
 namespace stillpoint::fusion {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
 constexpr double kLeanTime_s = 3.0;     ///< within which an offset has made a lean that motion shows
 constexpr double kPauseTells_s = 10.0;  ///< a lean within it is what the pause left
 constexpr double kRestSurprise = 16.0;  ///< of a chi-square of three: one in a thousand at true rest

@@ -12,7 +12,6 @@
 namespace stillpoint::fusion {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
 constexpr double kMovingTilt_rad = 0.3;  ///< of one reading in the middle of a motion: 3 m/s^2 across gravity
 
 }  // namespace
@@ -102,7 +101,7 @@ void AttitudeFilter::bridge(const CalibratedSample& sample, bool gyr, bool acc, 
   s_.iron_finder.interrupt();
   s_.turn_witness.interrupt();
   s_.witnesses.interrupt();
-  unknown *= std::min(1.0, 3.0 * kPi * kPi / unknown.trace());
+  unknown *= std::min(1.0, 3.0 * std::numbers::pi * std::numbers::pi / unknown.trace());
   mat(s_.sums.theta_rad2) += unknown;
   mat(s_.sums.motion.R) += mat(s_.R_world_body) * dt_s;
   // The motion goes on unseen: within its own bounds nothing is known of it any more.

@@ -8,11 +8,11 @@
 namespace stillpoint::fusion {
 namespace {
 
-constexpr double kMeanOver = 2.0;   ///< correlation times that the velocity is averaged over
-constexpr double kSurprise = 9.0;   ///< chi-square of one: three standard deviations
-constexpr double kLeftOver = 2.0;   ///< what the surprise is brought down to: one jump does not settle it
-constexpr double kMemory_s = 20.0;  ///< a car stops at lights and goes on
-constexpr double kLargest = 1e8;    ///< ten thousand times the usual speed
+constexpr double kMeanOver = 2.0;          ///< correlation times that the velocity is averaged over
+constexpr double kSurprisingMotion = 9.0;  ///< chi-square of one: three standard deviations
+constexpr double kLeftOver = 2.0;          ///< what the surprise is brought down to: one jump does not settle it
+constexpr double kRideMemory_s = 20.0;     ///< a car stops at lights and goes on
+constexpr double kLargest = 1e8;           ///< ten thousand times the usual speed
 constexpr double kForceTime_s = 2.0;
 constexpr double kForceNoise_mps2 = 0.15;  ///< offset of an accelerometer, and what two seconds leave of a motion
 constexpr double kMostOdds = 6.0;          ///< log; nothing is certain
@@ -104,7 +104,7 @@ void MotionScale::weigh(const std::array<double, 3>& force_mps2, double period_s
   const double of_tilt = std::sqrt(level2 + mean_force_mps2_[2] * mean_force_mps2_[2]) - kStandardGravity_mps2;
   const double variance = kForceNoise_mps2 * kForceNoise_mps2;
   const double gain = 0.5 * (of_tilt * of_tilt - of_vehicle * of_vehicle) / variance;
-  log_odds_ += period_s / kForceTime_s * std::clamp(gain, -kMostOdds, kMostOdds) - period_s / kMemory_s * log_odds_;
+  log_odds_ += period_s / kForceTime_s * std::clamp(gain, -kMostOdds, kMostOdds) - period_s / kRideMemory_s * log_odds_;
   log_odds_ = std::clamp(log_odds_, -kMostOdds, kMostOdds);
 }
 
@@ -120,10 +120,10 @@ double MotionScale::observe(const Seen& seen, const Usual& usual, double period_
     mean_velocity_mps_[i] += blend * (seen.velocity_mps[i] - mean_velocity_mps_[i]);
     surprise = std::max(surprise, mean_velocity_mps_[i] * mean_velocity_mps_[i] / (usual2 + seen.variance_m2ps2[i]));
   }
-  scale_ = 1.0 + (scale_ - 1.0) * std::exp(-period_s / kMemory_s);
+  scale_ = 1.0 + (scale_ - 1.0) * std::exp(-period_s / kRideMemory_s);
   double tilt_rad2 = 0.0;
   excused_s_ *= std::exp(-period_s / kExcusedMemory_s);
-  if (surprise > kSurprise) {
+  if (surprise > kSurprisingMotion) {
     const double level2 = mean_force_mps2_[0] * mean_force_mps2_[0] + mean_force_mps2_[1] * mean_force_mps2_[1];
     const double lean2 = level2 / (kStandardGravity_mps2 * kStandardGravity_mps2);
     const double of_vehicle = vehicle(lean2, seen.tilt_rad2);

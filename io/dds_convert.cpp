@@ -69,8 +69,6 @@ void from_wire(const std::array<msg::SensorHealth, 4>& in, SensorsHealth& out) {
                    in[i].evidence()};
 }
 
-double us(std::int64_t ns) { return 1e-3 * static_cast<double>(ns); }
-
 }  // namespace
 
 void to_wire(const AttitudeMessage& in, msg::Attitude& out) noexcept {

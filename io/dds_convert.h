@@ -31,6 +31,9 @@ struct Ros2Header {
   const std::string& frame_id;
 };
 
+/// [us] as messages state latencies.
+[[nodiscard]] constexpr double us(std::int64_t ns) noexcept { return 1e-3 * static_cast<double>(ns); }
+
 /// sensor_msgs/Imu after REP-145: orientation of the body in ENU, specific force, covariance row-major; covariance[0] =
 /// -1 where the field is absent, zeros where its error is not known.
 void to_ros2(const AttitudeMessage& attitude, const CalibratedSample& sample, const ReadingCovariances& covariances,

@@ -12,8 +12,6 @@ namespace {
 
 constexpr double kTeslaPerMicrotesla = 1e-6;
 
-double us(std::int64_t ns) { return 1e-3 * static_cast<double>(ns); }
-
 void set_header(std_msgs::msg::Header& header, std::int64_t stamp_ns, const std::string& frame_id) {
   header.stamp().sec(static_cast<std::int32_t>(stamp_ns / 1'000'000'000));
   header.stamp().nanosec(static_cast<std::uint32_t>(stamp_ns % 1'000'000'000));

@@ -11,7 +11,7 @@ namespace {
 
 using sim::EffectConfig;
 
-constexpr double kLargest = 1e12;
+constexpr double kLargestNumber = 1e12;
 
 bool read_sensor(const YAML::Node& entry, EffectConfig& out, YamlFaults& faults) {
   const YAML::Node node = entry["sensor"];
@@ -41,7 +41,7 @@ std::optional<laws::Node> read_expression(const YAML::Node& entry, const char* k
 }
 
 bool reads_numbers(const YAML::Node& node, std::vector<double>& out, const std::string& key, YamlFaults& faults) {
-  return reads(node, out, in_range(-kLargest, kLargest), key, faults);
+  return reads(node, out, in_range(-kLargestNumber, kLargestNumber), key, faults);
 }
 
 void read_coupling(const YAML::Node& entry, const laws::Node& tree, EffectConfig& out, YamlFaults& faults) {
@@ -72,8 +72,10 @@ void read_times(const YAML::Node& entry, EffectConfig& out, YamlFaults& faults) 
     out.parameters["tau_s"] = {value};
   }
   double from = -kEver, to = kEver;
-  if (const YAML::Node node = entry["from_s"]) read_value(node, from, in_range(-kLargest, kLargest), "from_s", faults);
-  if (const YAML::Node node = entry["to_s"]) read_value(node, to, in_range(-kLargest, kLargest), "to_s", faults);
+  if (const YAML::Node node = entry["from_s"])
+    read_value(node, from, in_range(-kLargestNumber, kLargestNumber), "from_s", faults);
+  if (const YAML::Node node = entry["to_s"])
+    read_value(node, to, in_range(-kLargestNumber, kLargestNumber), "to_s", faults);
   if (from >= to) return faults.add(entry["to_s"], "'to_s' must be later than 'from_s'");
   if (from > -kEver || to < kEver) out.window_s = {from, to};
 }

@@ -5,7 +5,7 @@
 namespace stillpoint::laws {
 namespace {
 
-constexpr const char* kHelpers = R"(#pragma once
+constexpr const char* kCppHelpers = R"(#pragma once
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -150,7 +150,7 @@ class Cpp final : public Dialect {
       loop += fmt::format(
           "    const double k[3] = {{{}}};\n    for (std::size_t r = 0; r < 3; ++r) out[i][r] = k[r] * {};\n",
           numbers(law, 0, 3), law.tree.vector ? "x[r]" : "x");
-    return replaced(kHelpers, "{name}", name) + comment +
+    return replaced(kCppHelpers, "{name}", name) + comment +
            fmt::format(
                "inline std::vector<std::array<double, 3>> {0}({1}) {{\n  using namespace {0}_law;\n{2}  "
                "std::vector<std::array<double, 3>> out(t.size(), {{0.0, 0.0, 0.0}});\n  for (std::size_t i = 0; "

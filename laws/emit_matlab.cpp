@@ -5,7 +5,7 @@
 namespace stillpoint::laws {
 namespace {
 
-constexpr const char* kHelpers = R"(
+constexpr const char* kMatlabHelpers = R"(
 function y = at_(t, x, s)
   s = min(max(s, t(1)), t(end));
   y = interp1(t, x, s);
@@ -89,7 +89,7 @@ class Matlab final : public Dialect {
     return fmt::format(
         "function out = {}({})\n{}% Columns: t is n x 1, vectors are n x 3, one row a sample.\n{}  x = {} + "
         "zeros(size(t));\n{}{}end\n{}",
-        name, head, comment, body, value, coefficients, window, kHelpers);
+        name, head, comment, body, value, coefficients, window, kMatlabHelpers);
   }
 
  private:

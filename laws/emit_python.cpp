@@ -5,7 +5,7 @@
 namespace stillpoint::laws {
 namespace {
 
-constexpr const char* kHelpers = R"(import math
+constexpr const char* kPythonHelpers = R"(import math
 
 
 def _v(f, *a):
@@ -143,7 +143,7 @@ class Python final : public Dialect {
     return fmt::format(
         "{}\ndef {}({}):\n    \"\"\"\n{}    Vectors are lists of three numbers, one a row.\n"
         "    \"\"\"\n{}    out = []\n    for i in range(len(t)):\n{}    return out\n",
-        kHelpers, name, head, comment, body, loop);
+        kPythonHelpers, name, head, comment, body, loop);
   }
 
  private:

@@ -3,14 +3,12 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <numbers>
 
+#include "core/units.h"
 #include "simulation/random.h"
 
 namespace stillpoint::sim {
 namespace {
-
-constexpr double kTwoPi = 2.0 * std::numbers::pi;
 
 /// A motion whose path is a function object over Taylor time.
 template <class Path>

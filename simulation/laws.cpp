@@ -1,15 +1,13 @@
 #include "simulation/laws.h"
 
 #include <cmath>
-#include <numbers>
 #include <string_view>
 
+#include "core/units.h"
 #include "simulation/effect_catalogue.h"
 
 namespace stillpoint::sim {
 namespace {
-
-constexpr double kTwoPi = 2.0 * std::numbers::pi;
 
 using V = const EffectValues&;
 using I = const Instant&;

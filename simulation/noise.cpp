@@ -3,10 +3,11 @@
 #include <cmath>
 #include <numbers>
 
+#include "core/units.h"
+
 namespace stillpoint::sim {
 namespace {
 
-constexpr double kTwoPi = 2.0 * std::numbers::pi;
 constexpr double kLongest_s = 1e5;
 constexpr double kRatio = 4.0;  // between neighbouring time constants; the ripple of the sum stays below 2 %
 

@@ -23,7 +23,7 @@ void Reference::disturb(double row_t_s, Quat& q_world_body, Vec3& position_m) no
       turn = turn.cwiseProduct(e.of.front().axes);
       shift = shift.cwiseProduct(e.of.front().axes);
     }
-    q_world_body = (q_world_body * exp_quat(turn)).normalized();
+    q_world_body = (q_world_body * stillpoint::exp_quat(turn)).normalized();
     position_m += shift;
   }
 }

@@ -3,13 +3,13 @@
 #include <array>
 #include <cmath>
 #include <limits>
-#include <numbers>
+
+#include "core/units.h"
 
 namespace stillpoint::sim {
 namespace {
 
 constexpr std::size_t kPiece = 128, kTones = kPiece / 2;
-constexpr double kTwoPi = 2.0 * std::numbers::pi;
 /// Motion is taken to be there where the spectrum stands this far above the noise; the mean of few pieces scatters.
 constexpr double kClear = 1.5;
 

@@ -7,12 +7,11 @@
 #include "core/directions.h"
 #include "core/result.h"
 #include "core/so3.h"
+#include "core/units.h"
 #include "simulation/random.h"
 
 namespace stillpoint::sim {
 namespace {
-
-constexpr double kTwoPi = 2.0 * std::numbers::pi;
 
 Quat end_pose(const Segment& s) { return (s.from_q_world_body * stillpoint::exp_quat(s.turn_rad)).normalized(); }
 

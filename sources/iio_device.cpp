@@ -15,7 +15,7 @@ namespace {
 constexpr unsigned kTimeout_ms = 2000;
 constexpr double kKept_s = 1.0;  ///< so long the kernel keeps what nobody fetches; what overflows it does not tell
 
-std::string reason(int code) {
+std::string iio_reason(int code) {
   std::string text = std::strerror(code);
   if (code == EACCES || code == EPERM)
     text += "; a udev rule gives a group the right: SUBSYSTEM==\"iio\", GROUP=\"iio\", MODE=\"0660\" (docs/sources.md)";
@@ -66,9 +66,9 @@ Result<IioContext> open_iio(const std::string& uri) {
   if (context == nullptr) {
     const int code = errno;
     const bool none = uri.starts_with("local") && (code == ENOENT || code == ENOSYS);
-    return fail(
-        ErrorKind::kUnavailable,
-        fmt::format("IIO {}: {}", uri, none ? "this kernel has no IIO device: is the driver loaded?" : reason(code)));
+    return fail(ErrorKind::kUnavailable,
+                fmt::format("IIO {}: {}", uri,
+                            none ? "this kernel has no IIO device: is the driver loaded?" : iio_reason(code)));
   }
   iio_context_set_timeout(context.get(), kTimeout_ms);
   return context;
@@ -176,7 +176,7 @@ std::string IioDevice::start(const io::IioParams& params) {
     const iio_device* trigger = iio_context_find_device(iio_device_get_context(device_), params.trigger.c_str());
     if (trigger == nullptr) return fmt::format("there is no trigger {}", params.trigger);
     if (const int code = iio_device_set_trigger(device_, trigger); code < 0)
-      return fmt::format("{} does not take the trigger {}: {}", name_, params.trigger, reason(-code));
+      return fmt::format("{} does not take the trigger {}: {}", name_, params.trigger, iio_reason(-code));
   }
   for (const Channel& c : channels_) iio_channel_enable(c.handle);
   if (timestamp_ != nullptr) iio_channel_enable(timestamp_);
@@ -184,7 +184,7 @@ std::string IioDevice::start(const io::IioParams& params) {
   (void)iio_device_set_kernel_buffers_count(device_,
                                             static_cast<unsigned>(std::ceil(kKept_s * std::max(rate, 100.0) / block)));
   buffer_.reset(iio_device_create_buffer(device_, static_cast<std::size_t>(block), false));
-  if (buffer_ == nullptr) return fmt::format("{} cannot be streamed: {}", name_, reason(errno));
+  if (buffer_ == nullptr) return fmt::format("{} cannot be streamed: {}", name_, iio_reason(errno));
   return {};
 }
 

@@ -11,10 +11,10 @@ constexpr double kLearn_ns = 1e9;
 constexpr std::uint64_t kLeastToLearn = 4;
 constexpr double kTimeConstant_ns = 1e9;
 /// Later than this, and by more than a few periods, nothing came for a while: the phase is taken anew.
-constexpr double kPause_ns = 0.25e9;
+constexpr double kLongPause_ns = 0.25e9;
 constexpr double kPausePeriods = 4.0;
 /// Sensors in rows of their own come late by no more: a time that lies further behind is of a clock that was set.
-constexpr double kLatest_ns = 0.5e9;
+constexpr double kLatestReading_ns = 0.5e9;
 /// A sender that began anew was away for longer, and longer than a few usual arrivals.
 constexpr double kAway_ns = 0.1e9;
 constexpr double kAwayArrivals = 4.0;
@@ -41,7 +41,7 @@ bool ArrivalClock::stamp(std::int64_t arrival_ns, std::uint64_t steps, std::int6
   if (period_ns_ <= 0.0 && !learn(arrival_ns, steps)) return false;
   double due_ns = next_ns_ + static_cast<double>(steps - 1) * period_ns_;
   double late_ns = static_cast<double>(arrival_ns - epoch_ns_) - due_ns;
-  if (!locked_ || std::abs(late_ns) > std::max(kPause_ns, kPausePeriods * period_ns_)) {
+  if (!locked_ || std::abs(late_ns) > std::max(kLongPause_ns, kPausePeriods * period_ns_)) {
     const bool again = locked_;
     locked_ = true;
     epoch_ns_ = arrival_ns;
@@ -72,9 +72,9 @@ std::int64_t Stamps::unwrapped(const Reading& reading) noexcept {
   // A 32-bit counter of ms, us or ns begins at 0 again; nothing else goes back by just about that much.
   const bool wrapped = wrap_ns < 1e16 && back_ns > 0.9 * wrap_ns && back_ns < 1.1 * wrap_ns;
   // A row of its own from before that end may come after it: the counter has not gone round twice.
-  if (wrapped_ns_ && static_cast<double>(last_ns_ - *wrapped_ns_) < kLatest_ns) {
+  if (wrapped_ns_ && static_cast<double>(last_ns_ - *wrapped_ns_) < kLatestReading_ns) {
     const double before_ns = static_cast<double>(*wrapped_ns_) + wrap_ns - static_cast<double>(t_ns);
-    if (before_ns > 0.0 && before_ns < kLatest_ns) return t_ns - static_cast<std::int64_t>(wrap_ns);
+    if (before_ns > 0.0 && before_ns < kLatestReading_ns) return t_ns - static_cast<std::int64_t>(wrap_ns);
   }
   if (!wrapped || offset_ns_ > kFurthest_ns - static_cast<std::int64_t>(wrap_ns)) return t_ns;
   offset_ns_ += static_cast<std::int64_t>(wrap_ns);
@@ -94,9 +94,9 @@ void Stamps::follow(std::int64_t sender_ns, std::int64_t due_ns, std::int64_t& t
 /// proves it. True: wait for that one. A replay that is faster than real time has no such pauses.
 bool Stamps::suspects(std::int64_t sender_ns, std::int64_t& t_ns, std::int64_t arrival_ns) noexcept {
   const auto suspect = std::exchange(suspect_, std::nullopt);
-  if (static_cast<double>(last_ns_) - static_cast<double>(t_ns) <= kLatest_ns) return false;
+  if (static_cast<double>(last_ns_) - static_cast<double>(t_ns) <= kLatestReading_ns) return false;
   if (suspect) {
-    if (std::abs(static_cast<double>(sender_ns - suspect->sender_ns)) > kLatest_ns) return false;
+    if (std::abs(static_cast<double>(sender_ns - suspect->sender_ns)) > kLatestReading_ns) return false;
     follow(suspect->sender_ns, last_ns_ + suspect->away_ns, t_ns);
     away_ns_ = suspect->away_ns;
     ++began_anew_;

@@ -10,7 +10,7 @@
 namespace stillpoint::app {
 namespace {
 
-struct Arguments {
+struct CalibrateArguments {
   std::string points, method, recording;
   RecordingOptions of_recording;
   MountOptions of_mount;
@@ -21,7 +21,7 @@ struct Arguments {
   calib::PointsOptions options;
 };
 
-int run_calibrate(Arguments a) {
+int run_calibrate(CalibrateArguments a) {
   const bool mount = !a.of_mount.recordings.empty();
   if (!a.points.empty() + !a.recording.empty() + mount != 1)
     return report(
@@ -47,7 +47,7 @@ int run_calibrate(Arguments a) {
 
 void add_calibrate(CLI::App& app, Run& run) {
   auto* command = app.add_subcommand("calibrate", "Calibrate from a table of static readings or from a recording");
-  static Arguments a;
+  static CalibrateArguments a;
   std::string names;
   for (const auto& m : calib::methods()) names += (names.empty() ? "" : ", ") + std::string(m.name);
   auto* points = add_file(*command, "--points", a.points,

@@ -12,7 +12,7 @@
 namespace stillpoint::app {
 namespace {
 
-struct Options {
+struct DevicesOptions {
   std::string uri = "local:";
   double listen_s = 1.5;
   io::DdsParams dds;
@@ -47,7 +47,7 @@ std::string to_text(const sources::DeviceList& list) {
   return out;
 }
 
-int run_devices(const Options& o) {
+int run_devices(const DevicesOptions& o) {
   const auto list = sources::list_devices(o.uri, o.dds, o.listen_s);
   const std::string file = o.json.file();
   if (file != "-") std::fputs(to_text(list).c_str(), stdout);
@@ -60,7 +60,7 @@ int run_devices(const Options& o) {
 
 void add_devices(CLI::App& app, Run& run) {
   auto* command = app.add_subcommand("devices", "List the sensors that can be attached here, and what is missing");
-  static Options o;
+  static DevicesOptions o;
   o.json.add(*command, "write the list");
   command->add_option("--uri", o.uri, "of IIO: local: or ip:HOST[:PORT]")->capture_default_str();
   command->add_option("--listen", o.listen_s, "seconds to listen for ROS 2 drivers; 0: not at all")

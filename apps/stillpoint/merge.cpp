@@ -11,7 +11,7 @@
 namespace stillpoint::app {
 namespace {
 
-struct Options {
+struct MergeOptions {
   std::vector<std::string> tables;
   JsonOption json;
   std::string csv;
@@ -64,7 +64,7 @@ void print(const nlohmann::json& merged) {
              merged["totals"]["failed"].get<std::size_t>());
 }
 
-int run_merge(const Options& o) {
+int run_merge(const MergeOptions& o) {
   const std::string json = o.json.file();
   const auto quiet = is_standard_output({json, o.csv});
   if (!quiet) return report(quiet.error());
@@ -92,7 +92,7 @@ int run_merge(const Options& o) {
 
 void add_merge(CLI::App& app, Run& run) {
   auto* command = app.add_subcommand("merge", "The tables of an array job's shards as one, with totals");
-  static Options o;
+  static MergeOptions o;
   command->add_option("tables", o.tables, "what `estimate --shard I/N --json FILE` wrote")
       ->type_name(kFileType)
       ->required();

@@ -18,7 +18,7 @@
 namespace stillpoint::app {
 namespace {
 
-struct Options {
+struct NoiseOptions {
   std::string recording, kalibr, report;
   JsonOption json;
 };
@@ -101,7 +101,7 @@ std::vector<SensorNoise> sensors_at_rest(const io::Recording& r, std::size_t fir
   return out;
 }
 
-int noise(const Options& options) {
+int noise(const NoiseOptions& options) {
   const auto quiet = is_standard_output({options.json.file(), options.kalibr, options.report});
   if (!quiet) return report(quiet.error());
   const auto recording = io::read_recording(options.recording);
@@ -141,7 +141,7 @@ int noise(const Options& options) {
 
 void add_noise(CLI::App& app, Run& run) {
   auto* command = app.add_subcommand("noise", "Allan deviation and noise terms of a sensor at rest");
-  static Options options;
+  static NoiseOptions options;
   add_file(*command, "--recording", options.recording, "recording of the sensor at rest (.csv)")->required();
   options.json.add(*command, "write the curves and terms");
   add_file(*command, "--kalibr", options.kalibr, "write a Kalibr imu.yaml");

@@ -23,7 +23,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-struct Options {
+struct ProveOptions {
   std::size_t cases = 60;
   std::string salt = "stillpoint", folder, report, only;
   bool quick = false, limits = false, real_parts = false;
@@ -76,7 +76,7 @@ void solve_all(const std::vector<Posed>& posed) {
   });
 }
 
-Result<std::vector<Posed>> draw(const Options& o, const fs::path& room) {
+Result<std::vector<Posed>> draw(const ProveOptions& o, const fs::path& room) {
   std::vector<Posed> all;
   const auto parts = o.real_parts ? diag::Parts::kReal : diag::Parts::kIdeal;
   for (std::size_t i = 0; i < o.cases; ++i) {
@@ -104,7 +104,7 @@ Result<std::vector<Posed>> draw(const Options& o, const fs::path& room) {
   return all;
 }
 
-Result<std::vector<Posed>> collect(const Options& o, const fs::path& room) {
+Result<std::vector<Posed>> collect(const ProveOptions& o, const fs::path& room) {
   const fs::path cases = fs::path(o.folder) / "cases", truths = fs::path(o.folder) / "truth";
   if (!fs::is_directory(cases) || !fs::is_directory(truths))
     return fail(ErrorKind::kNoInput, o.folder + ": has no folders cases/ and truth/");
@@ -134,7 +134,7 @@ Result<std::vector<Posed>> collect(const Options& o, const fs::path& room) {
   return all;
 }
 
-Result<void> write_proof(const Options& o, const std::string& text, const std::vector<Posed>& posed) {
+Result<void> write_proof(const ProveOptions& o, const std::string& text, const std::vector<Posed>& posed) {
   std::string page =
       "<div class=\"verdict\"><div class=\"label\">Proof</div><h1>Proof on concealed data</h1><p class=\"small\">Each "
       "case was sealed by the hash below before it was solved by a process that had the recording and the baseline "
@@ -146,7 +146,7 @@ Result<void> write_proof(const Options& o, const std::string& text, const std::v
   return io::write_text_file(o.report, report::document_html("Proof on concealed data", page + "</pre>", {}));
 }
 
-int prove(const Options& o) {
+int prove(const ProveOptions& o) {
   if (o.only == kInvented && (!o.report.empty() || !o.folder.empty() || o.limits || o.real_parts))
     return report(
         {ErrorKind::kUsage, "--only invented takes --cases, --salt and --quick alone: it prints all it knows"});
@@ -181,7 +181,7 @@ int prove(const Options& o) {
 void add_prove(CLI::App& app, Run& run) {
   auto* command =
       app.add_subcommand("prove", "Prove the diagnosis on sealed cases: draw, seal, solve unseen, open, score");
-  static Options o;
+  static ProveOptions o;
   command->add_option("--cases", o.cases, "how many cases to draw; 60 unless given")->check(CLI::Range(1, 100000));
   command->add_option("--salt", o.salt, "the same salt draws the same cases");
   std::vector<std::string> kinds = diag::kinds_of_cases();

@@ -11,7 +11,7 @@
 namespace stillpoint::app {
 namespace {
 
-using Json = nlohmann::json;
+using SortedJson = nlohmann::json;
 
 std::string list_id(const std::vector<std::string>& sorted) {
   std::uint64_t hash = fnv1a("");
@@ -20,11 +20,11 @@ std::string list_id(const std::vector<std::string>& sorted) {
 }
 
 /// What merge_tables relies on; the text says what is wrong.
-std::string fault_of(const Json& table) {
-  if (!table.is_object() || table.value("schema", Json()) != "stillpoint.estimates/1")
+std::string fault_of(const SortedJson& table) {
+  if (!table.is_object() || table.value("schema", SortedJson()) != "stillpoint.estimates/1")
     return "no table of stillpoint.estimates/1, as estimate --json writes for several recordings or --shard";
   if (!table.contains("recordings") || !table["recordings"].is_array()) return "no list of recordings";
-  for (const Json& entry : table["recordings"]) {
+  for (const SortedJson& entry : table["recordings"]) {
     if (!entry.is_object() || !entry.contains("recording") || !entry["recording"].is_string())
       return "a recording without a name";
     for (const char* key : kCounts)
@@ -32,7 +32,7 @@ std::string fault_of(const Json& table) {
         return fmt::format("{} of {} is no count", key, io::quote(entry["recording"].get<std::string>()));
   }
   if (!table.contains("shard")) return "";
-  const Json& shard = table["shard"];
+  const SortedJson& shard = table["shard"];
   const auto count = [&shard](const char* key) {
     return shard.is_object() && shard.contains(key) && shard[key].is_number_unsigned() ? shard[key].get<std::size_t>()
                                                                                        : std::size_t{0};
@@ -57,20 +57,20 @@ Result<Shard> shard_named(const std::string& text) {
   return shard;
 }
 
-Json to_json(const Shard& shard, const std::vector<std::string>& sorted) {
+SortedJson to_json(const Shard& shard, const std::vector<std::string>& sorted) {
   return {{"index", shard.index}, {"of", shard.of}, {"of_recordings", sorted.size()}, {"list", list_id(sorted)}};
 }
 
 Result<MergedTables> merge_tables(const std::vector<NamedTable>& tables) {
   MergedTables out;
   std::map<std::size_t, std::string> file_of_shard;
-  std::map<std::string, std::pair<std::string, Json>> by_recording;
+  std::map<std::string, std::pair<std::string, SortedJson>> by_recording;
   for (const auto& [file, table] : tables)
     if (const std::string fault = fault_of(table); !fault.empty())
       return fail(ErrorKind::kBadData, file + ": " + fault);
-  const Json first = tables.front().document.value("shard", Json());
+  const SortedJson first = tables.front().document.value("shard", SortedJson());
   for (const auto& [file, table] : tables) {
-    const Json shard = table.value("shard", Json());
+    const SortedJson shard = table.value("shard", SortedJson());
     if (shard.is_null() != first.is_null() ||
         (!shard.is_null() && (shard["of"] != first["of"] || shard["list"] != first["list"])))
       return fail(ErrorKind::kBadData,
@@ -83,7 +83,7 @@ Result<MergedTables> merge_tables(const std::vector<NamedTable>& tables) {
         return fail(ErrorKind::kBadData, fmt::format("{} and {} are both shard {} of {}", same->second, file,
                                                      same->first, shard["of"].get<std::size_t>()));
     }
-    for (const Json& entry : table["recordings"]) {
+    for (const SortedJson& entry : table["recordings"]) {
       const auto name = entry["recording"].get<std::string>();
       const auto [same, fresh] = by_recording.emplace(name, std::pair(file, entry));
       if (!fresh)
@@ -91,11 +91,11 @@ Result<MergedTables> merge_tables(const std::vector<NamedTable>& tables) {
                     fmt::format("{} stands in {} and in {}", io::quote(name), same->second.first, file));
     }
   }
-  out.document = {{"schema", "stillpoint.estimates/1"}, {"recordings", Json::array()}};
-  Json totals{{"recordings", by_recording.size()}, {"failed", 0}};
+  out.document = {{"schema", "stillpoint.estimates/1"}, {"recordings", SortedJson::array()}};
+  SortedJson totals{{"recordings", by_recording.size()}, {"failed", 0}};
   for (const char* key : kCounts) totals[key] = 0;
   for (const auto& [name, from] : by_recording) {
-    const Json& entry = from.second;
+    const SortedJson& entry = from.second;
     if (entry.contains("error")) totals["failed"] = totals["failed"].get<std::size_t>() + 1;
     for (const char* key : kCounts) totals[key] = totals[key].get<std::uint64_t>() + entry.value(key, std::uint64_t{0});
     out.document["recordings"].push_back(entry);

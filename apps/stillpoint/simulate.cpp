@@ -19,7 +19,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 constexpr double kMostRows = 2e7;  // 24 h at 200 Hz are 1.7e7; each row takes about 250 bytes of disk
 
-struct Options {
+struct SimulateOptions {
   std::string simulation, output, truth, motion;
   std::uint64_t seed = 1;
 };
@@ -29,7 +29,7 @@ struct Scene {
   sim::RecordedEnvironment environment;
 };
 
-Result<Scene> scene_of(const Options& o, const sim::SimulationConfig& config) {
+Result<Scene> scene_of(const SimulateOptions& o, const sim::SimulationConfig& config) {
   if (o.motion.empty() && !config.motion)
     return fail(ErrorKind::kBadConfig, o.simulation +
                                            ":1:1: no 'motion:' block; add one such as motion: {kind: hand, "
@@ -71,7 +71,7 @@ Json effect_json(const sim::EffectConfig& e, const sim::EffectStrength& s) {
 }
 
 /// Writes the recording; gives the spans in which the body moved.
-Result<Json> write_simulated(const Options& o, const sim::SimulationConfig& config, const Scene& scene) {
+Result<Json> write_simulated(const SimulateOptions& o, const sim::SimulationConfig& config, const Scene& scene) {
   Json bouts = Json::array();
   auto file = io::SimulatedRecordingFile::create(o.output, config);
   if (!file) return tl::unexpected(file.error());
@@ -96,7 +96,7 @@ Result<Json> write_simulated(const Options& o, const sim::SimulationConfig& conf
   return bouts;
 }
 
-int write_truth(const Options& o, const sim::SimulationConfig& config, const Scene& scene, const Json& bouts) {
+int write_truth(const SimulateOptions& o, const sim::SimulationConfig& config, const Scene& scene, const Json& bouts) {
   const auto strengths = sim::effect_strengths(config, scene.motion, o.seed, scene.environment);
   Json truth{{"schema", "stillpoint.truth/1"}, {"seed", o.seed}, {"reference", config.reference.kind}};
   truth["effects"] = Json::array();
@@ -113,7 +113,7 @@ int write_truth(const Options& o, const sim::SimulationConfig& config, const Sce
   return written ? 0 : report(written.error());
 }
 
-int simulate(const Options& o) {
+int simulate(const SimulateOptions& o) {
   if (const auto taken = is_standard_output({o.output, o.truth}); !taken) return report(taken.error());
   if (const auto writable = io::expect_writable(o.truth); !writable) return report(writable.error());
   auto config = io::read_simulation(o.simulation);
@@ -142,7 +142,7 @@ int simulate(const Options& o) {
 
 void add_simulate(CLI::App& app, Run& run) {
   auto* command = app.add_subcommand("simulate", "Write the recording a simulated sensor would give");
-  static Options o;
+  static SimulateOptions o;
   add_file(*command, "--simulation", o.simulation, "simulation YAML")->required();
   add_file(*command, "--output", o.output, "recording to write (.csv); - is standard output")->required();
   add_file(*command, "--truth", o.truth, "write what was applied, with the strength of each effect (.json)");

@@ -11,7 +11,7 @@ namespace {
 
 constexpr auto kLook = std::chrono::milliseconds(20);  // for an outlet that has died
 constexpr std::int64_t kTryAgain_ns = 1'000'000'000;
-constexpr const char* kSubject = "dds";
+constexpr const char* kWire = "dds";
 
 /// Fast DDS throws where the machine refuses threads, memory or files.
 Result<std::unique_ptr<Outlet>> make(const io::DdsParams& params) {
@@ -62,7 +62,7 @@ void Wire::try_to_make() {
   }
   put_in(nullptr);  // before its successor: the two would take each other for strangers on one topic
   auto made = make(params);
-  troubles_->set(kSubject, made ? "" : "nothing is published yet: " + made.error().message);
+  troubles_->set(kWire, made ? "" : "nothing is published yet: " + made.error().message);
   if (made) put_in(std::move(*made));
 }
 
@@ -83,7 +83,7 @@ bool Wire::must_be_made() {
   if (renew_) return true;
   if (owned_) {
     if (const std::string why = owned_->ended(); !why.empty()) {
-      troubles_->set(kSubject, why + "; it is started anew");
+      troubles_->set(kWire, why + "; it is started anew");
       return true;
     }
   }

@@ -5,12 +5,12 @@
 namespace stillpoint::calib {
 namespace {
 
-constexpr double kSingular = 1e-10;
+constexpr double kUnobserved = 1e-10;
 constexpr double kNoGap = 1e-6;  // of the leading eigenvalues: two reference vectors fit equally well
 
 bool invertible(const Mat3& gram) {
   const Eigen::SelfAdjointEigenSolver<Mat3> eigen(gram, Eigen::EigenvaluesOnly);
-  return eigen.eigenvalues()[0] > kSingular * eigen.eigenvalues()[2];
+  return eigen.eigenvalues()[0] > kUnobserved * eigen.eigenvalues()[2];
 }
 
 /// H(u) = [S_1 u, S_2 u, S_3 u] G^-1, the minimum over H for a fixed u: (Z 30) from sums.

@@ -5,7 +5,7 @@
 namespace stillpoint::diag {
 namespace {
 
-constexpr int kMostPoints = 12, kLeastPoints = 4;
+constexpr int kMostKnots = 12, kLeastKnots = 4;
 constexpr double kClosest = 0.04;  // of the range
 constexpr double kTail = 0.01;     // of the rows, at either end: too few to hold a point of their own
 constexpr std::string_view kBefore = "table(", kBehind = ")";
@@ -25,11 +25,11 @@ std::vector<double> table_points(const Eigen::MatrixXd& driver) {
   const Eigen::VectorXd all = driver.reshaped();
   const double low = all.minCoeff(), range = all.maxCoeff() - low;
   std::vector<double> out;
-  for (int i = 0; i < kMostPoints; ++i) {
-    const double x = quantile(all, kTail + (1.0 - 2.0 * kTail) * i / (kMostPoints - 1));
+  for (int i = 0; i < kMostKnots; ++i) {
+    const double x = quantile(all, kTail + (1.0 - 2.0 * kTail) * i / (kMostKnots - 1));
     if (out.empty() || x > out.back() + kClosest * range) out.push_back(x);
   }
-  if (std::ssize(out) < kLeastPoints) out.clear();
+  if (std::ssize(out) < kLeastKnots) out.clear();
   return out;
 }
 

@@ -7,7 +7,7 @@
 namespace stillpoint::diag::detail {
 namespace {
 
-constexpr std::size_t kBlockRows = 100;
+constexpr std::size_t kRepeatRows = 100;
 constexpr std::size_t kChanceRows = 1000;  // enough to know how often a triad repeats by itself
 constexpr double kRegularShare = 0.9;      // of the runs have one of two neighbouring lengths
 constexpr double kLeastHoldShare = 0.25;   // of a block's rows are stale where a triad is held
@@ -28,9 +28,9 @@ std::vector<std::uint8_t> find_midpoints(std::span<const Axis> axes) {
   const std::size_t rows = axes[0].y.size();
   std::vector<std::uint8_t> marked(rows, 0);
   std::size_t midpoints = 0, differing = 0;
-  for (std::size_t b = 1; b + 1 < rows; b += kBlockRows) {
+  for (std::size_t b = 1; b + 1 < rows; b += kRepeatRows) {
     std::array<std::size_t, 2> moved_rows{}, midpoint_rows{};
-    for (std::size_t i = b; i < std::min(b + kBlockRows, rows - 1); ++i) {
+    for (std::size_t i = b; i < std::min(b + kRepeatRows, rows - 1); ++i) {
       if (!measured(axes, i) || !measured(axes, i - 1) || !measured(axes, i + 1)) continue;
       bool moved = false, midpoint = true;
       for (const Axis& a : axes) {
@@ -42,7 +42,7 @@ std::vector<std::uint8_t> find_midpoints(std::span<const Axis> axes) {
     }
     const std::size_t parity = midpoint_rows[1] > midpoint_rows[0] ? 1 : 0;
     midpoints += midpoint_rows[parity], differing += moved_rows[parity];
-    for (std::size_t i = b; i < std::min(b + kBlockRows, rows); ++i) marked[i] = i % 2 == parity;
+    for (std::size_t i = b; i < std::min(b + kRepeatRows, rows); ++i) marked[i] = i % 2 == parity;
   }
   if (differing < 20 || static_cast<double>(midpoints) < kInterpolatedShare * static_cast<double>(differing)) return {};
   return marked;
@@ -68,8 +68,8 @@ std::vector<std::size_t> differences(const std::vector<std::size_t>& rows) {
 /// the last.
 void narrow(const std::vector<std::uint8_t>& stale, std::size_t& first, std::size_t& last) {
   std::size_t begin = stale.size(), end = 0;
-  for (std::size_t b = 0; b < stale.size(); b += kBlockRows) {
-    const std::size_t e = std::min(b + kBlockRows, stale.size());
+  for (std::size_t b = 0; b < stale.size(); b += kRepeatRows) {
+    const std::size_t e = std::min(b + kRepeatRows, stale.size());
     const auto n = std::count(stale.begin() + static_cast<long>(b), stale.begin() + static_cast<long>(e), 1);
     if (static_cast<double>(n) < kLeastHoldShare * static_cast<double>(e - b)) continue;
     begin = std::min(begin, b);
@@ -115,14 +115,14 @@ std::optional<Hold> find_hold(std::span<const Axis> axes, const std::vector<std:
   for (std::size_t i = 0; i < axes[0].y.size(); ++i)
     if (measured(axes, i) && (ignore.empty() || ignore[i] == 0) && (midpoint.empty() || midpoint[i] == 0))
       rows.push_back(i);
-  if (rows.size() < 2 * kBlockRows) return std::nullopt;
+  if (rows.size() < 2 * kRepeatRows) return std::nullopt;
 
   std::vector<std::uint8_t> stale(rows.size(), 0);
   for (std::size_t j = 1; j < rows.size(); ++j)
     stale[j] = std::all_of(axes.begin(), axes.end(), [&](const Axis& a) { return a.y[rows[j]] == a.y[rows[j - 1]]; });
   std::size_t first = 0, last = 0;
   narrow(stale, first, last);
-  if (last <= first + kBlockRows / 2) return std::nullopt;
+  if (last <= first + kRepeatRows / 2) return std::nullopt;
   std::vector<std::size_t> fresh_at, stale_at;
   for (std::size_t j = first; j < last; ++j) (stale[j] ? stale_at : fresh_at).push_back(j);
   if (fresh_at.size() < 10 || stale_at.size() < 10) return std::nullopt;

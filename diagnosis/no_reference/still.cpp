@@ -17,7 +17,7 @@ namespace stillpoint::diag::detail {
 namespace {
 
 constexpr std::size_t kCells = 240;
-constexpr double kAbstain_nats = 10.0;
+constexpr double kAbstainAtRest_nats = 10.0;
 constexpr double kWalkOverWhite = 3.0;  // spread of the cell means over what white noise leaves, before it is a drift
 constexpr std::array<double, 5> kLagShares{0.01, 0.02, 0.04, 0.08, 0.16};  // of the recording's length
 
@@ -210,7 +210,7 @@ std::optional<Finding> hysteresis(const Still& s, Sensor sensor, const StillLaw&
     both.columns = std::move(columns), both.tau_s = share * span_s;
   }
   const double score = best->gain - alone.gain - 1.5 * std::log(static_cast<double>(n)) - 2.0;
-  if (score < kAbstain_nats || best->held_out < alone.held_out + 1.0) return std::nullopt;
+  if (score < kAbstainAtRest_nats || best->held_out < alone.held_out + 1.0) return std::nullopt;
   both.id = fmt::format("{}_temp_lag", kSensorName[sensor]);
   both.equation = "D = k (T - T_L), tau dT_L/dt = T - T_L";
   both.symbols.emplace_back("k");
@@ -249,14 +249,14 @@ Finding describe_drift(const Still& s, Sensor sensor) {
 Diagnosis diagnose_still(const io::Recording& r, const sim::SimulationConfig& simulation,
                          const std::vector<std::string>& without) {
   Diagnosis d;
-  d.abstention_nats = kAbstain_nats;
+  d.abstention_nats = kAbstainAtRest_nats;
   for (const Sensor sensor : {kGyr, kAcc}) {
     if (triad(simulation, sensor) == nullptr || triad(r, sensor).size() < 400) continue;
     const Still s = cells_of(r, sensor);
     std::optional<Finding> best, loop;
     StillLaw best_law;
     Judged best_judged;
-    double best_score = kAbstain_nats;
+    double best_score = kAbstainAtRest_nats;
     for (const auto& law : laws_of(s, kSensorName[sensor], kSensorUnit[sensor])) {
       if (contains(without, law.id)) continue;
       const Judged j = judge(s, law.columns);

@@ -19,7 +19,7 @@ namespace {
 
 using invented::Scene;
 
-constexpr int kMostDraws = 60;
+constexpr int kMostLawDraws = 60;
 constexpr double kLeastOwn = 0.3;  // of its rms that bias and matrix may not take up
 
 sim::SimulationConfig draw_sensor(Draw& draw, double duration_s) {
@@ -160,7 +160,7 @@ InventedCase invent(const std::string& salt, std::size_t index, bool quick) {
   const Scene here = scene_of(truth, c.recording), there = scene_of(c.fresh, c.fresh);
   static const std::vector<std::string> kNames{"acc", "gyr", "mag"};
   const double wanted = draw.log_uniform(0.8, 4.0);
-  for (int drawn = 0; drawn < kMostDraws; ++drawn) {
+  for (int drawn = 0; drawn < kMostLawDraws; ++drawn) {
     c.sensor = draw.one_of(kNames);
     const invented::Law law = invented::draw_law(draw, here, c.sensor == "acc" ? "f" : c.sensor == "gyr" ? "w" : "m");
     const Eigen::MatrixXd delta = law.value(here), fresh = law.value(there);

@@ -13,7 +13,7 @@ namespace {
 
 using Phasor = Eigen::Vector3cd;
 
-constexpr double kBlock_s = 0.5;
+constexpr double kLineBlock_s = 0.5;
 constexpr Eigen::Index kShortest = 8;       // blocks: shorter is an event, no line
 constexpr double kNatsForTheStretch = 8.0;  // log of the number of stretches
 constexpr double kOffElsewhere = 0.3;       // of the amplitude inside: what a line that is switched off leaves
@@ -179,7 +179,7 @@ bool goes_on(const std::vector<Block>& blocks, std::size_t first, std::size_t la
 
 Window stretch_of_line(const Series3& left, const Layout& layout, const Series& t_s, double frequency_Hz,
                        double step_s) {
-  const auto block = std::max<Eigen::Index>(1, std::lround(kBlock_s / step_s));
+  const auto block = std::max<Eigen::Index>(1, std::lround(kLineBlock_s / step_s));
   const Demodulated d = demodulate(left, layout, t_s, frequency_Hz, block);
   const std::size_t blocks = d.sum.size() - 1;
   const double whole = gain_of(d, 0, blocks);
@@ -208,7 +208,7 @@ bool stands_in_reading(const Signals& s, Sensor sensor, const Series3& left, con
 bool swells(const Signals& s, Sensor sensor, const Window& window, double frequency_Hz) {
   const Window w = rows_of(window, s);
   const Series3 x = without_motion(s, sensor, frequency_Hz);
-  for (const double block_s : {kBlock_s, kLongBlock_s}) {
+  for (const double block_s : {kLineBlock_s, kLongBlock_s}) {
     const auto rows = std::max<Eigen::Index>(1, std::lround(block_s / s.dt_s));
     const std::vector<Block> blocks = blocks_of(s, x, frequency_Hz, rows);
     // Where the stretch begins and ends it fills no block.

@@ -14,7 +14,7 @@ namespace {
 
 constexpr Eigen::Index kBand = 128;      // bins that share one background
 constexpr double kLeastOverMean = 35.0;  // sum of three periodograms over their background: chance 2e-13 a bin
-constexpr int kRefinements = 24;
+constexpr int kPeakRefinements = 24;
 constexpr double kStepsABin = 4.0;                  // of the whole: so many find its top
 constexpr double kTaper = 0.1;                      // of a stretch, at either end
 constexpr double kOverNear = 0.3 * kLeastOverMean;  // a resonance or the motion itself is broad, a line is not
@@ -124,7 +124,7 @@ double refined_Hz(const Series3& x, const Series& t_s, double frequency_Hz, doub
   for (int k = 0; k <= steps; ++k)
     if (const double here = power(low_Hz + k * step_Hz); here > most) most = here, best_Hz = low_Hz + k * step_Hz;
   return highest_by_golden_section(std::max(best_Hz - step_Hz, low_Hz), std::min(best_Hz + step_Hz, high_Hz),
-                                   kRefinements, power);
+                                   kPeakRefinements, power);
 }
 
 bool is_a_harmonic(const Series3& x, double step_s, double frequency_Hz) {

@@ -12,7 +12,7 @@ namespace stillpoint::diag {
 namespace {
 
 constexpr double kSlow_s = 0.1;  // from row to row, of long recordings more
-constexpr Eigen::Index kMostRows = 2000;
+constexpr Eigen::Index kMostSlowRows = 2000;
 constexpr double kLeastMeasured = 0.9;  // of the weight
 constexpr double kClearly_nats = 30.0;  // laws that were not there gained 17 to 40 more than in all rows
 
@@ -59,7 +59,7 @@ double gain_of(const SensorSearch& search) {
 }  // namespace
 
 std::optional<Signals> slow_rows(const Signals& s) {
-  const auto factor = std::max(static_cast<Eigen::Index>(std::lround(kSlow_s / s.dt_s)), s.n / kMostRows);
+  const auto factor = std::max(static_cast<Eigen::Index>(std::lround(kSlow_s / s.dt_s)), s.n / kMostSlowRows);
   if (s.exact_reference || s.from_log || factor < 2) return std::nullopt;
   Signals out = s;
   out.present[kMag] = false;  // its residual holds the camera's errors themselves

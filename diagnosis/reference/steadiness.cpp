@@ -6,7 +6,7 @@ namespace stillpoint::diag {
 namespace {
 
 constexpr Eigen::Index kParts = 12;
-constexpr double kClearNats = 30.0;
+constexpr double kClearlyUnsteadyNats = 30.0;
 constexpr double kLeastShare = 0.25;  // of the delay: a smaller change is what an unmodelled filter leaves
 
 /// Whether `size` times what is `shown` on each axis is left over, now more, now less, in parts of the recording.
@@ -28,7 +28,7 @@ bool changes(const SensorSearch& search, const Finished& finished, const Shown& 
   const Eigen::ArrayXd off = with_left / with_itself;
   const double gain = 0.5 * (off.square() * with_itself).sum() - static_cast<double>(kParts);
   const double spread = std::sqrt((off.square() * with_itself).sum() / with_itself.sum());
-  return gain > kClearNats && spread > kLeastShare * size;
+  return gain > kClearlyUnsteadyNats && spread > kLeastShare * size;
 }
 
 }  // namespace

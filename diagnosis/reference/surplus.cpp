@@ -11,13 +11,13 @@
 namespace stillpoint::diag {
 namespace {
 
-constexpr double kClearDeviations = 5.0;   // of a share from 1; effects that are not in the simulation move it too
-constexpr double kClearShare = 0.15;       // smaller differences are a number that was measured a little off
-constexpr double kClearNats = 7.0;         // a walk's rate against none
-constexpr double kHalfNormal95 = 1.92;     // nats below the maximum at the ends of a 95 % interval
-constexpr double kLeastOverNoise = 3e-3;   // of an effect's rms over one sample's noise; less moves nothing
-constexpr Eigen::Index kMostRows = 16000;  // more are thinned by whole factors
-constexpr double kSameNumbers = 0.1;       // of the size of an effect
+constexpr double kClearDeviations = 5.0;  // of a share from 1; effects that are not in the simulation move it too
+constexpr double kClearShare = 0.15;      // smaller differences are a number that was measured a little off
+constexpr double kClearWalkNats = 7.0;    // a walk's rate against none
+constexpr double kHalfNormal95 = 1.92;    // nats below the maximum at the ends of a 95 % interval
+constexpr double kLeastOverNoise = 3e-3;  // of an effect's rms over one sample's noise; less moves nothing
+constexpr Eigen::Index kMostSurplusRows = 16000;  // more are thinned by whole factors
+constexpr double kSameNumbers = 0.1;              // of the size of an effect
 constexpr std::array kWalkShares{0.0, 0.05, 0.1, 0.2, 0.35, 0.5, 0.7, 1.0, 1.4, 2.0, 3.0};
 
 /// What one effect does to each sensor; empty where nothing.
@@ -128,7 +128,7 @@ void leave_the_tracker(Finding& f) {
 std::vector<sim::EffectConfig> without_surplus(const Signals& bare, const std::vector<sim::EffectConfig>& given,
                                                Answer& answer) {
   if (given.empty()) return {};
-  const Eigen::Index factor = std::max<Eigen::Index>(1, bare.n / kMostRows);
+  const Eigen::Index factor = std::max<Eigen::Index>(1, bare.n / kMostSurplusRows);
   const Signals thin = factor > 1 ? thinned(bare, factor) : bare;
   const std::vector<Deltas> deltas = deltas_of(bare, thin, given);
   std::vector<Share> shares(given.size());
@@ -175,7 +175,7 @@ void report_surplus_walk(const SensorSearch& search, const Signals& s, const std
   const auto best = std::max_element(likelihood.begin(), likelihood.end());
   const auto as_given =
       static_cast<std::size_t>(std::find(kWalkShares.begin(), kWalkShares.end(), 1.0) - kWalkShares.begin());
-  if (likelihood[0] - likelihood[as_given] < kClearNats) return;
+  if (likelihood[0] - likelihood[as_given] < kClearWalkNats) return;
   double low = HUGE_VAL, high = 0.0;
   for (std::size_t i = 0; i < kWalkShares.size(); ++i)
     if (likelihood[i] > *best - kHalfNormal95) low = std::min(low, kWalkShares[i]), high = kWalkShares[i];

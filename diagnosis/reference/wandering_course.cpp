@@ -16,11 +16,11 @@
 namespace stillpoint::diag {
 namespace {
 
-constexpr double kShortest_s = 5.0;     // period; faster is the reference's noise, which the noise model has
-constexpr double kExpected_rad = 3e-3;  // rms of an axis, for the prior of the course
-constexpr double kMost_rad = 6e-3;      // more is a mount that moves: a law of time, to be told as one
-constexpr double kOneAxis = 0.97;       // of the turning: a mount that gives way turns about one
-constexpr double kSpeaks = 12.0;        // nats for one cause that two sensors see over one of each's own, or none
+constexpr double kShortestWander_s = 5.0;  // period; faster is the reference's noise, which the noise model has
+constexpr double kExpected_rad = 3e-3;     // rms of an axis, for the prior of the course
+constexpr double kMost_rad = 6e-3;         // more is a mount that moves: a law of time, to be told as one
+constexpr double kOneAxis = 0.97;          // of the turning: a mount that gives way turns about one
+constexpr double kSpeaks = 12.0;           // nats for one cause that two sensors see over one of each's own, or none
 constexpr double kLate_s = 0.05, kVaries_s = 0.01;  // a lateness and its slow changes, for their prior
 constexpr int kLateTerms = 5;
 constexpr double kRows = 3000.0;  // a hundred and more in the shortest period
@@ -32,7 +32,7 @@ struct Basis {
   std::vector<Series3> turn, rate;
   Eigen::MatrixXd late;
   Eigen::VectorXd sd;
-  double shortest_s = 0.0;  ///< period of the turns; kShortest_s in a recording that is not long
+  double shortest_s = 0.0;  ///< period of the turns; kShortestWander_s in a recording that is not long
   [[nodiscard]] Eigen::Index turns() const { return static_cast<Eigen::Index>(turn.size()); }
 };
 
@@ -53,7 +53,7 @@ Turning turning_about(const Signals& s, bool in_world, int axis, const Series& c
 
 Basis make_basis(const Signals& s, bool in_world) {
   Basis out;
-  const WalkBasis walk = walk_basis(s, kShortest_s);
+  const WalkBasis walk = walk_basis(s, kShortestWander_s);
   const Eigen::Index terms = walk->cols();
   for (int axis = 0; axis < 3; ++axis)
     for (Eigen::Index k = 0; k < terms; ++k) {
@@ -210,7 +210,7 @@ std::optional<Together> agreed(const Basis& basis, const std::vector<Testimony>&
 Turning turning_of(const Signals& s, const Together& one, bool in_world, double duration_s) {
   Turning out{Series3::Zero(s.n, 3), Series3::Zero(s.n, 3)};
   if (one.columns.begin > 0) return out;
-  const WalkBasis walk = walk_basis(s.t_s, duration_s, kShortest_s);
+  const WalkBasis walk = walk_basis(s.t_s, duration_s, kShortestWander_s);
   const Eigen::Index terms = walk->cols();
   for (int axis = 0; axis < 3; ++axis) {
     const Turning part = turning_about(s, in_world, axis, *walk * one.course.segment(axis * terms, terms));

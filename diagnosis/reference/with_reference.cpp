@@ -20,7 +20,7 @@
 namespace stillpoint::diag {
 namespace {
 
-constexpr double kShortest_s = 20.0;
+constexpr double kShortestRecording_s = 20.0;
 constexpr Eigen::Index kLeastRows = 500;  // of a sensor, to say anything of it
 constexpr double kMostSamples = 16000.0;  // more are thinned by whole factors, down to the step below
 constexpr double kFastEnough_s = 0.0201;  // nothing that bodies do needs more than 50 Hz
@@ -160,10 +160,10 @@ Answer diagnose_with_reference(const ReferencedRows& rows, const sim::Simulation
   Result<Signals> made = make_signals(recording, simulation, masks(forensics), rows.log, a_frame);
   if (!made) return insufficient(made.error().message, std::move(answer));
   Signals& s = *made;
-  if (s.duration_s() < kShortest_s)
-    return insufficient(
-        fmt::format("{:.1f} s of recording are too short; record at least {:.0f} s", s.duration_s(), kShortest_s),
-        std::move(answer));
+  if (s.duration_s() < kShortestRecording_s)
+    return insufficient(fmt::format("{:.1f} s of recording are too short; record at least {:.0f} s", s.duration_s(),
+                                    kShortestRecording_s),
+                        std::move(answer));
   if (!enough_to_compare(s)) return insufficient(s.notices.back(), std::move(answer));
   for (std::size_t k = 0; k < kSensors; ++k)
     if (forensics.sensor[k].quantised) s.lattice_step[k] = forensics.sensor[k].lattice_step.maxCoeff();

@@ -12,8 +12,8 @@ namespace {
 
 constexpr double kStencil_s = 0.15;  // half of the second difference: slow enough for the noise of a camera
 constexpr double kSeen_mps2 = 0.5;   // less may be tilt, and offsets of the accelerometer
-constexpr double kTogether = 0.8;
-constexpr double kApart = 0.3;
+constexpr double kMovesTogether = 0.8;
+constexpr double kAway = 0.3;
 constexpr double kMostLate_s = 2.0, kLateness_s = 0.1;
 
 /// Accelerations in the world on a common grid; not finite where one is missing.
@@ -57,7 +57,7 @@ Relation relation(const Accelerations& a, std::ptrdiff_t late) {
 
 std::string lateness(const Accelerations& a) {
   const auto reach = static_cast<std::ptrdiff_t>(kMostLate_s / a.step_s);
-  double highest = kTogether;
+  double highest = kMovesTogether;
   std::ptrdiff_t best = 0;
   for (std::ptrdiff_t late = -reach; late <= reach; ++late)
     if (const double q = relation(a, late).correlation(); q > highest) highest = q, best = late;
@@ -75,7 +75,7 @@ std::string fault(const Accelerations& a) {
   const double felt_mps2 = std::sqrt(now.yy / rows), moved_mps2 = std::sqrt(now.xx / rows);
   if (felt_mps2 < kSeen_mps2) return {};
   if (moved_mps2 == 0) return "it never changes although the accelerometer feels motion: the columns were filled in";
-  if (now.coherence() > kTogether && now.spans_space()) {
+  if (now.coherence() > kMovesTogether && now.spans_space()) {
     if (const UnitMistake* unit = unit_of(moved_mps2 / felt_mps2, kLengthUnits, 1.25))
       return fmt::format("it moves {:.3g} times as far as the accelerometer feels: it looks like {}",
                          moved_mps2 / felt_mps2, unit->words);
@@ -90,7 +90,7 @@ std::string fault(const Accelerations& a) {
       return fmt::format("its world is turned by {:.0f} degrees against that of the orientation", off_rad * kDegrees);
     return {};
   }
-  if (now.correlation() > kApart || moved_mps2 < 2 * kSeen_mps2) return {};
+  if (now.correlation() > kAway || moved_mps2 < 2 * kSeen_mps2) return {};
   if (std::string late = lateness(a); !late.empty()) return late;
   return "it has nothing in common with what the accelerometer feels: another body, clock or frame";
 }

@@ -10,8 +10,8 @@
 namespace stillpoint::diag::detail {
 namespace {
 
-constexpr double kAgree_rad = 0.45;  // median angle between measured and predicted specific force
-constexpr double kLeastRate = 0.3;   // share of the measured rate that the reference explains
+constexpr double kAgree_rad = 0.45;    // median angle between measured and predicted specific force
+constexpr double kLeastTurning = 0.3;  // share of the measured rate that the reference explains
 
 void refuse_reference(Sanity& out, std::string why) {
   out.mistake("reference: " + std::move(why));
@@ -98,7 +98,7 @@ void check_reference(const io::Recording& r, const sim::SimulationConfig& config
   };
   const bool unknown_up =
       out.unusable[kAcc] || (c.force_angle(as_expected, false) < 0 && c.force_angle(as_expected, with_position) < 0);
-  const bool turns = out.unusable[kGyr] || c.rate_agreement(as_expected) > kLeastRate;
+  const bool turns = out.unusable[kGyr] || c.rate_agreement(as_expected) > kLeastTurning;
   if (turns && (unknown_up || points_up(false) || (with_position && points_up(true)))) {
     if (body_is_turned(c, out)) return;
     check_axes(c, out);

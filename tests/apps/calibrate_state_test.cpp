@@ -30,18 +30,18 @@ std::string recording(const std::string& header, double stuck_from_s = 1e9, doub
   return text.str();
 }
 
-struct Answer {
+struct StateAnswer {
   int exit_code = -1;
   std::string json, told;
 };
 class CalibrateState : public ::testing::Test {
  protected:
-  Answer calibrate(const std::string& table, const std::string& state) {
+  StateAnswer calibrate(const std::string& table, const std::string& state) {
     write_file(folder_ / "recording.csv", table);
     fs::remove(folder_ / "out.json");
     const std::string command = std::string(STILLPOINT) + " calibrate --recording " + (folder_ / "recording.csv") +
                                 " --json " + (folder_ / "out.json") + (state.empty() ? "" : " --state " + state);
-    Answer a;
+    StateAnswer a;
     a.exit_code = run(command, folder_ / "err");
     a.json = read_file(folder_ / "out.json");
     a.told = read_file(folder_ / "err");
@@ -53,7 +53,7 @@ class CalibrateState : public ::testing::Test {
 TEST_F(CalibrateState, WhatWasLearntServesTheNextRun) {
   const std::string state = folder_ / "any.name";
   EXPECT_THAT(calibrate(recording(""), state).json, HasSubstr("\"windows\": 19,"));
-  const Answer second = calibrate(recording(""), state);
+  const StateAnswer second = calibrate(recording(""), state);
   EXPECT_EQ(second.exit_code, 0) << second.told;
   EXPECT_THAT(second.json, HasSubstr("\"windows\": 38,"));  // of the accelerometer: both runs
 }
@@ -68,7 +68,7 @@ TEST_F(CalibrateState, ADamagedOneIsNamedAndLeftAlone) {
   for (const std::string& damaged : {std::string(), whole.substr(0, 20), whole.substr(0, whole.size() - 1), flipped,
                                      newer, std::string(5000, '\xff')}) {
     write_file(state, damaged);
-    const Answer a = calibrate(recording(""), state);
+    const StateAnswer a = calibrate(recording(""), state);
     EXPECT_EQ(a.exit_code, 65);
     EXPECT_THAT(a.told, HasSubstr("set it aside"));
     EXPECT_EQ(read_file(state), damaged);
@@ -80,14 +80,14 @@ TEST_F(CalibrateState, OfAnotherSensorIsRefused) {
   const std::string state = folder_ / "imu.state";
   ASSERT_EQ(calibrate(recording("# sensor: first\n"), state).exit_code, 0);
   EXPECT_EQ(calibrate(recording("# sensor: first\n"), state).exit_code, 0);
-  const Answer other = calibrate(recording("# sensor: second\n"), state);
+  const StateAnswer other = calibrate(recording("# sensor: second\n"), state);
   EXPECT_EQ(other.exit_code, 65);
   EXPECT_THAT(other.told, HasSubstr("'first', the recording of 'second'"));
   EXPECT_EQ(calibrate(recording(""), state).exit_code, 0);  // a recording that names none
 }
 
 TEST_F(CalibrateState, WhatCannotBeKeptIsShownAllTheSame) {
-  const Answer a = calibrate(recording(""), folder_ / "no/such/folder/imu.state");
+  const StateAnswer a = calibrate(recording(""), folder_ / "no/such/folder/imu.state");
   EXPECT_EQ(a.exit_code, 73);
   EXPECT_THAT(a.told, HasSubstr("cannot be written"));
   EXPECT_THAT(a.json, HasSubstr("\"accelerometer\""));
@@ -114,7 +114,7 @@ TEST_F(CalibrateState, SaysOfEachQuantityWhatIsMissing) {
 }
 
 TEST_F(CalibrateState, AFaultAndAWrongUnitAreNamed) {
-  const Answer stuck = calibrate(recording("", 20.0), "");
+  const StateAnswer stuck = calibrate(recording("", 20.0), "");
   EXPECT_THAT(stuck.json, HasSubstr("\"sensor\": \"accelerometer\",\n      \"status\": \"stuck\""));
   EXPECT_THAT(calibrate(recording("", 1e9, 1.0 / 9.8), "").json, HasSubstr("is the unit in the column's name"));
 }

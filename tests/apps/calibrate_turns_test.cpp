@@ -14,7 +14,7 @@ namespace {
 using ::testing::HasSubstr;
 using Json = nlohmann::json;
 
-constexpr double kTurn_s = 4.0, kPi = 3.14159265358979323846;
+constexpr double kKnownTurn_s = 4.0, kPi = 3.14159265358979323846;
 
 /// Rests, once around about each axis on a table, tipped by a quarter in between; then 20 s on a turntable.
 class CalibrateTurns : public ::testing::Test {
@@ -28,8 +28,9 @@ class CalibrateTurns : public ::testing::Test {
     Synthetic source(truth_, 12);
     const auto rest = [&] { run(source, csv, 7.0, {}); };
     const auto turn = [&](const Vec3& axis, double angle_rad) {
-      run(source, csv, kTurn_s,
-          [=](double t) { return Vec3(angle_rad / kTurn_s * (1.0 - std::cos(2.0 * kPi * t / kTurn_s)) * axis); });
+      run(source, csv, kKnownTurn_s, [=](double t) {
+        return Vec3(angle_rad / kKnownTurn_s * (1.0 - std::cos(2.0 * kPi * t / kKnownTurn_s)) * axis);
+      });
     };
     const Vec3 x = Vec3::UnitX(), y = Vec3::UnitY(), z = Vec3::UnitZ();
     rest();

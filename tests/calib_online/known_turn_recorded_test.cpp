@@ -13,7 +13,7 @@
 namespace stillpoint::calib {
 namespace {
 
-constexpr double kHand_rad = 1.5 * kRadPerDeg;
+constexpr double kOfAHand_rad = 1.5 * kRadPerDeg;
 
 /// Three turns by hand about three axes, six poses before them. Nothing was tuned on it.
 TEST(KnownTurn, TwoOfARealSessionForetellTheThird) {
@@ -31,7 +31,7 @@ TEST(KnownTurn, TwoOfARealSessionForetellTheThird) {
   const TriadCalibration& gyr = without.snapshot().gyr;
   std::vector<KnownTurn> turns;
   for (const auto& [begin_s, end_s] : {std::pair(65.0, 71.0), std::pair(78.0, 83.0), std::pair(89.0, 94.0)}) {
-    const auto known = known_turn({begin_s, end_s, 2.0 * std::numbers::pi, kHand_rad}, recording->t_ns,
+    const auto known = known_turn({begin_s, end_s, 2.0 * std::numbers::pi, kOfAHand_rad}, recording->t_ns,
                                   recording->gyr_radps, vec(gyr.bias), Mat3(mat(gyr.bias_covariance)));
     ASSERT_TRUE(known) << known.error().message;
     turns.push_back(*known);

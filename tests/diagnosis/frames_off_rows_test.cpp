@@ -14,7 +14,7 @@
 namespace stillpoint::diag {
 namespace {
 
-constexpr double kStep_s = 0.01, kPhase_s = 0.0037;
+constexpr double kRow_s = 0.01, kPhase_s = 0.0037;
 
 Vec3 place(double t) { return {0.1 * std::sin(6.0 * t), 0.1 * std::cos(4.0 * t), 0.05 * std::sin(9.0 * t)}; }
 
@@ -54,7 +54,7 @@ io::Recording drawn(const Camera& camera, std::size_t rows = 3001) {
   const auto printed = [](double x) { return 1e-7 * std::round(1e7 * x); };
   io::Recording r;
   for (std::size_t i = 0; i < rows; ++i) {
-    const double t = kStep_s * static_cast<double>(i);
+    const double t = kRow_s * static_cast<double>(i);
     r.t_ns.push_back(std::llround(1e9 * t));
     const long frame = std::lround(std::floor((t - camera.phase_s) / camera.frame_s));
     const double share = (t - camera.time(frame)) / camera.frame_s;
@@ -87,7 +87,7 @@ void expect_its_frames(const FramesOffRows& found, const Camera& camera) {
 TEST(FramesOffRows, AreReadBackFromTheLinesBetweenThem) {
   for (const double rows_a_frame : {5.0 / 3.0, 2.0, 2.5, 3.3})
     for (const double noise : {0.0, 3e-4}) {
-      const Camera camera{rows_a_frame * kStep_s, noise, line_of_length_one};
+      const Camera camera{rows_a_frame * kRow_s, noise, line_of_length_one};
       const auto found = frames_off_rows(drawn(camera));
       ASSERT_TRUE(found) << rows_a_frame << " " << noise;
       expect_its_frames(*found, camera);
@@ -97,7 +97,7 @@ TEST(FramesOffRows, AreReadBackFromTheLinesBetweenThem) {
 /// Two rows on each line bend nearly alike where they are nearly as far from its ends.
 TEST(FramesOffRows, AreReadBackWhereverTheyFallBetweenTheRows) {
   for (const double phase_s : {0.002, 0.0045, 0.005, 0.0055, 0.008}) {
-    const Camera camera{2.0 * kStep_s, 0.0, line_of_length_one, phase_s};
+    const Camera camera{2.0 * kRow_s, 0.0, line_of_length_one, phase_s};
     const auto found = frames_off_rows(drawn(camera));
     ASSERT_TRUE(found) << phase_s;
     expect_its_frames(*found, camera);
@@ -133,8 +133,8 @@ TEST(FramesOffRows, OfAttitudesAloneAreFoundToo) {
 
 TEST(FramesOffRows, AreNotSeenInWhatWasMeasuredInEveryRow) {
   // A camera of as many frames as rows, of more, and arithmetic.
-  for (const Camera& camera : {Camera{kStep_s, 3e-4, great_circle}, Camera{0.4 * kStep_s, 3e-4, great_circle},
-                               Camera{0.001 * kStep_s, 0.0, great_circle}})
+  for (const Camera& camera : {Camera{kRow_s, 3e-4, great_circle}, Camera{0.4 * kRow_s, 3e-4, great_circle},
+                               Camera{0.001 * kRow_s, 0.0, great_circle}})
     EXPECT_FALSE(frames_off_rows(drawn(camera))) << camera.frame_s;
 }
 

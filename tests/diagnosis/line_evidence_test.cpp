@@ -11,7 +11,7 @@ namespace stillpoint::diag {
 namespace {
 
 constexpr Eigen::Index kRows = 6000;
-constexpr double kStep_s = 0.01, kLine_Hz = 22.3;
+constexpr double kLineStep_s = 0.01, kLine_Hz = 22.3;
 
 Series3 noise(std::uint64_t seed) {
   std::mt19937_64 engine(seed);
@@ -24,15 +24,15 @@ Series3 noise(std::uint64_t seed) {
 Series3 line(Eigen::Index begin, Eigen::Index end) {
   Series3 x = Series3::Zero(kRows, 3);
   for (Eigen::Index i = begin; i < end; ++i)
-    x.row(i).setConstant(std::sin(2.0 * std::numbers::pi * kLine_Hz * kStep_s * static_cast<double>(i)));
+    x.row(i).setConstant(std::sin(2.0 * std::numbers::pi * kLine_Hz * kLineStep_s * static_cast<double>(i)));
   return x;
 }
 
 Signals rows() {
   Signals s;
   s.n = kRows;
-  s.dt_s = s.rows.step_s = kStep_s;
-  s.t_s = Series::LinSpaced(kRows, 0.0, kStep_s * (kRows - 1));
+  s.dt_s = s.rows.step_s = kLineStep_s;
+  s.t_s = Series::LinSpaced(kRows, 0.0, kLineStep_s * (kRows - 1));
   s.muted[kGyr].assign(kRows, 0);
   return s;
 }
@@ -48,18 +48,18 @@ Layout all_rows() {
 template <class Amplitude>
 Series3 line_of(const Amplitude& at) {
   Series3 x = line(0, kRows);
-  for (Eigen::Index i = 0; i < kRows; ++i) x.row(i) *= at(kStep_s * static_cast<double>(i));
+  for (Eigen::Index i = 0; i < kRows; ++i) x.row(i) *= at(kLineStep_s * static_cast<double>(i));
   return x;
 }
 
 TEST(LineEvidence, ALineThatLastsAWhileIsToldWithItsTimes) {
   const Signals s = rows();
   const Layout layout = all_rows();
-  const Window w = stretch_of_line(noise(1) + line(1800, 4200), layout, s.t_s, kLine_Hz, kStep_s);
+  const Window w = stretch_of_line(noise(1) + line(1800, 4200), layout, s.t_s, kLine_Hz, kLineStep_s);
   ASSERT_TRUE(w.local);
   EXPECT_NEAR(static_cast<double>(w.begin), 1800.0, 100.0);
   EXPECT_NEAR(static_cast<double>(w.end), 4200.0, 100.0);
-  EXPECT_FALSE(stretch_of_line(noise(2) + line(0, kRows), layout, s.t_s, kLine_Hz, kStep_s).local);
+  EXPECT_FALSE(stretch_of_line(noise(2) + line(0, kRows), layout, s.t_s, kLine_Hz, kLineStep_s).local);
 }
 
 TEST(LineEvidence, AnEnginesSwellsAndFades) {

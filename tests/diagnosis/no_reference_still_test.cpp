@@ -9,7 +9,7 @@
 namespace stillpoint::diag::detail {
 namespace {
 
-sim::SimulationConfig baseline() {
+sim::SimulationConfig on_a_shelf() {
   sim::SimulationConfig s;
   s.accelerometer = sim::TriadConfig{.noise_sd = 0.01};
   s.gyroscope = sim::TriadConfig{.noise_sd = 0.0005};
@@ -44,17 +44,17 @@ std::vector<std::string> names(const Diagnosis& d) {
 using Names = std::vector<std::string>;
 
 TEST(Still, SaysNothingWhereNothingFollowsTheTemperature) {
-  EXPECT_EQ(names(diagnose_still(chamber(0, 0, 0), baseline())), Names{});
+  EXPECT_EQ(names(diagnose_still(chamber(0, 0, 0), on_a_shelf())), Names{});
 }
 
 TEST(Still, NamesTheLawWithItsSize) {
-  const auto d = diagnose_still(chamber(0.005, 0, 0), baseline());
+  const auto d = diagnose_still(chamber(0.005, 0, 0), on_a_shelf());
   ASSERT_EQ(names(d), Names{"acc_temp_lin"});
   EXPECT_NEAR(d.findings[0].parameters[2].value, 0.005, 2e-4);
 }
 
 TEST(Still, NamesTheLoopBetweenHeatingAndCoolingBesideTheLaw) {
-  const auto d = diagnose_still(chamber(0.005, 2e-4, 0.02), baseline());
+  const auto d = diagnose_still(chamber(0.005, 2e-4, 0.02), on_a_shelf());
   ASSERT_EQ(names(d), (Names{"acc_temp_quad", "acc_temp_lag"}));
   EXPECT_LT(d.findings[1].held_out.rms_after, 0.7 * d.findings[1].held_out.rms_before);
 }
@@ -62,14 +62,14 @@ TEST(Still, NamesTheLoopBetweenHeatingAndCoolingBesideTheLaw) {
 TEST(Still, CallsItDriftWhereTheTemperatureWasNotRecorded) {
   auto r = chamber(0.005, 0, 0);
   r.temp_degC.clear();
-  const auto d = diagnose_still(r, baseline());
+  const auto d = diagnose_still(r, on_a_shelf());
   ASSERT_EQ(names(d), Names{"acc_drift"});
   EXPECT_NE(d.findings[0].regime.find("could be thermal"), std::string::npos);
   EXPECT_EQ(d.findings[0].decided_by, "record temp_degC");
 }
 
 TEST(Still, LeavesOutALawThatIsNotInTheLibrary) {
-  for (const auto& name : names(diagnose_still(chamber(0.005, 0, 0), baseline(), {"acc_temp_lin"})))
+  for (const auto& name : names(diagnose_still(chamber(0.005, 0, 0), on_a_shelf(), {"acc_temp_lin"})))
     EXPECT_NE(name, "acc_temp_lin");
 }
 

@@ -16,13 +16,13 @@ namespace {
 using testing::ElementsAre;
 using testing::IsEmpty;
 
-constexpr double kStep_s = 0.01, kLate_s = 0.001;
+constexpr double kMeanStep_s = 0.01, kLate_s = 0.001;
 
 Series uneven(Eigen::Index n, double sd_s) {
   std::mt19937 random(3);
   std::normal_distribution<double> late(0.0, sd_s);
   Series t(n);
-  for (Eigen::Index i = 0; i < n; ++i) t[i] = static_cast<double>(i) * kStep_s + late(random);
+  for (Eigen::Index i = 0; i < n; ++i) t[i] = static_cast<double>(i) * kMeanStep_s + late(random);
   return t.array() - t[0];
 }
 
@@ -43,7 +43,7 @@ double off(const Series3& x, const Series3& truth) {
 
 TEST(RowTimes, DerivativesAreThoseAtTheRowsOwnTimes) {
   const Series t = uneven(1000, kLate_s);
-  const RowTimes own{kStep_s, t}, even{kStep_s, {}};
+  const RowTimes own{kMeanStep_s, t}, even{kMeanStep_s, {}};
   EXPECT_LT(off(derivative(motion(t), own), motion(t, 1)), 1e-6);
   EXPECT_LT(off(second_derivative(motion(t), own), motion(t, 2)), 1e-5);
   EXPECT_GT(off(derivative(motion(t), even), motion(t, 1)), 0.05);
@@ -53,27 +53,28 @@ TEST(RowTimes, DerivativesAreThoseAtTheRowsOwnTimes) {
 TEST(RowTimes, DifferencesOfEvenRowsAreTheSameByEitherWay) {
   const Series t = uneven(400, 0.0);
   const Series3 x = motion(t);
-  EXPECT_LT(off(derivative(x, {kStep_s, t}), derivative(x, {kStep_s, {}})), 1e-12);
-  EXPECT_LT(off(second_derivative(x, {kStep_s, t}), second_derivative(x, {kStep_s, {}})), 1e-11);
+  EXPECT_LT(off(derivative(x, {kMeanStep_s, t}), derivative(x, {kMeanStep_s, {}})), 1e-12);
+  EXPECT_LT(off(second_derivative(x, {kMeanStep_s, t}), second_derivative(x, {kMeanStep_s, {}})), 1e-11);
 }
 
 TEST(RowTimes, ADelayIsOneOfTime) {
   constexpr double kTau_s = 0.004;
   const Series t = uneven(1000, kLate_s);
-  const Series3 late = apply_response(motion(t), {kStep_s, t}, delay_response(kTau_s));
+  const Series3 late = apply_response(motion(t), {kMeanStep_s, t}, delay_response(kTau_s));
   EXPECT_LT(off(late, motion(t.array() - kTau_s)), 1e-4);
-  EXPECT_LT(off(at_times(motion(t), {kStep_s, t}, t.array() - kTau_s, kStencilReach), motion(t.array() - kTau_s)),
+  EXPECT_LT(off(at_times(motion(t), {kMeanStep_s, t}, t.array() - kTau_s, kStencilReach), motion(t.array() - kTau_s)),
             1e-6);
 }
 
 TEST(RowTimes, AreTheStampsWhereTheMotionIsSmoothWithThem) {
   const Series t = uneven(1000, kLate_s), even = uneven(1000, 0.0);
-  EXPECT_FALSE(times_of_rows(t, kStep_s, motion(t), {}).even());
-  EXPECT_TRUE(times_of_rows(t, kStep_s, motion(even), {}).even()) << "the stamps came late, not the rows";
-  EXPECT_TRUE(times_of_rows(even, kStep_s, motion(even), {}).even());
+  EXPECT_FALSE(times_of_rows(t, kMeanStep_s, motion(t), {}).even());
+  EXPECT_TRUE(times_of_rows(t, kMeanStep_s, motion(even), {}).even()) << "the stamps came late, not the rows";
+  EXPECT_TRUE(times_of_rows(even, kMeanStep_s, motion(even), {}).even());
   std::mt19937 random(5);
   std::normal_distribution<double> noise(0.0, 0.3);  // a motion of 1 over 1 ms: a tenth of that
-  EXPECT_TRUE(times_of_rows(t, kStep_s, motion(t).unaryExpr([&](double x) { return x + noise(random); }), {}).even())
+  EXPECT_TRUE(
+      times_of_rows(t, kMeanStep_s, motion(t).unaryExpr([&](double x) { return x + noise(random); }), {}).even())
       << "noise is as rough with either";
 }
 

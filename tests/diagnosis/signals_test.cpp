@@ -17,7 +17,7 @@
 namespace stillpoint::diag {
 namespace {
 
-sim::SimulationConfig baseline() {
+sim::SimulationConfig plain_baseline() {
   sim::SimulationConfig s;
   s.rate_hz = 200;
   s.accelerometer = sim::TriadConfig{.noise_sd = 0.02};
@@ -29,7 +29,7 @@ sim::SimulationConfig baseline() {
   return s;
 }
 
-io::Recording record() { return io::to_recording(sim::simulate(baseline(), 5)); }
+io::Recording record() { return io::to_recording(sim::simulate(plain_baseline(), 5)); }
 
 TEST(Thinned, TakesItsMeansFromMeasurementsOnly) {
   auto r = record();
@@ -38,7 +38,7 @@ TEST(Thinned, TakesItsMeansFromMeasurementsOnly) {
   for (std::size_t i = 0; i < r.size(); i += 4) muted[kMag][i] = 0;  // held: three rows of four carry nothing new
   for (std::size_t i = 0; i < r.size(); ++i)
     if (muted[kMag][i]) r.mag_uT[i] = Vec3::Constant(1e6);
-  const auto s = make_signals(r, baseline(), muted);
+  const auto s = make_signals(r, plain_baseline(), muted);
   ASSERT_TRUE(s);
   const Signals t = thinned(*s, 4);
   ASSERT_EQ(t.n, s->n / 4);
@@ -51,7 +51,7 @@ TEST(Thinned, TakesItsMeansFromMeasurementsOnly) {
 TEST(Thinned, WorksWithoutAMagnetometer) {
   auto r = record();
   r.mag_uT.clear();
-  const auto s = make_signals(r, baseline(), {});
+  const auto s = make_signals(r, plain_baseline(), {});
   ASSERT_TRUE(s);
   EXPECT_EQ(thinned(*s, 4).predicted[kMag].rows(), s->predicted[kMag].rows() / 4);
 }
@@ -59,7 +59,7 @@ TEST(Thinned, WorksWithoutAMagnetometer) {
 TEST(Signals, MutesWhereTheReferenceWasLost) {
   auto r = record();
   for (std::size_t i = 3000; i < 3100; ++i) r.ref_q_world_body[i].setConstant(io::kMissing);
-  const auto s = make_signals(r, baseline(), {});
+  const auto s = make_signals(r, plain_baseline(), {});
   ASSERT_TRUE(s);
   ASSERT_FALSE(s->exact_reference);
   const auto second = static_cast<std::size_t>(std::lround(1.0 / s->dt_s));
@@ -73,7 +73,7 @@ TEST(Signals, MutesWhereTheReferenceWasLost) {
 }
 
 TEST(Signals, HoldsTheDriverStillAtRest) {
-  const auto s = make_signals(record(), baseline(), {});
+  const auto s = make_signals(record(), plain_baseline(), {});
   ASSERT_TRUE(s);
   ASSERT_FALSE(s->exact_reference);
   int rests = 0;
@@ -88,7 +88,7 @@ TEST(Signals, HoldsTheDriverStillAtRest) {
 
 /// A bridge carries two noisy values through the whole gap; the rows that were measured say more of the rest.
 TEST(Signals, TakeTheAttitudeOfARestFromWhatWasMeasured) {
-  sim::SimulationConfig config = baseline();
+  sim::SimulationConfig config = plain_baseline();
   config.motion->kind = "rest_poses";
   config.motion->max_rest_s = 8.0;
   io::Recording r = io::to_recording(sim::simulate(config, 5));
@@ -113,7 +113,7 @@ TEST(Signals, TakeTheAttitudeOfARestFromWhatWasMeasured) {
 }
 
 TEST(Signals, FindNoRestWhereAQuietBoatSwings) {
-  auto config = baseline();
+  auto config = plain_baseline();
   config.motion->kind = "boat";
   for (const std::string reference : {"exact", "mocap"}) {
     config.reference.kind = reference;
@@ -125,7 +125,7 @@ TEST(Signals, FindNoRestWhereAQuietBoatSwings) {
 }
 
 TEST(Signals, KnowANoisyReferenceByItsFramesAndNotByWhatWasInterpolatedBetweenThem) {
-  auto config = baseline();
+  auto config = plain_baseline();
   config.motion->kind = "boat";
   config.reference = {.kind = "mocap", .orientation_sd_rad = 5e-4, .position_sd_m = 1e-4, .band_hz = 3.0};
   io::Recording r = io::to_recording(sim::simulate(config, 5));
@@ -152,7 +152,7 @@ TEST(Signals, HoldTheVerticalAndThePlaceOfATurntableStillBesideACamera) {
     r.gyr_radps.push_back(Vec3(0, 0, -0.4 * std::sin(0.4 * t_s)) + noise(1e-3));
     r.mag_uT.push_back(Vec3(20, 0, -40) + noise(0.3));
   }
-  const auto s = make_signals(r, baseline(), {});
+  const auto s = make_signals(r, plain_baseline(), {});
   ASSERT_TRUE(s && !s->exact_reference);
   const auto wobble = [](const Series3& x) { return (x.rowwise() - x.colwise().mean()).cwiseAbs().maxCoeff(); };
   EXPECT_LT(wobble(s->world_axis[2]), 1e-12);
@@ -175,7 +175,7 @@ TEST(MotionBand, EndsWhereNoiseIsAlsoWithoutARest) {
 }
 
 TEST(Signals, TakeAReferenceOfFewDecimalsForANoisyOne) {
-  auto config = baseline();
+  auto config = plain_baseline();
   config.reference.kind = "exact";
   const auto with_decimals = [&config](double rate_hz, double step_m) {
     config.rate_hz = rate_hz;
@@ -191,7 +191,7 @@ TEST(Signals, TakeAReferenceOfFewDecimalsForANoisyOne) {
 
 /// The body turns by a few milliradians while it rests, and the gyroscope says so.
 TEST(Signals, TakeASwayThatTheGyroscopeSeesForNoNoiseOfTheReference) {
-  auto config = baseline();
+  auto config = plain_baseline();
   config.reference.kind = "exact";
   config.gyroscope->noise_sd = 3e-4;
   io::Recording r = io::to_recording(sim::simulate(config, 5));

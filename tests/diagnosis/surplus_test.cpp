@@ -8,8 +8,8 @@
 namespace stillpoint::diag {
 namespace {
 
-const test::Parameters kThermal{{"k_radps_per_K", {8e-4, -5e-4, 6e-4}}};
-const test::Parameters kArm{{"r_m", {0.1, -0.05, 0.08}}};
+const test::Parameters kSurplusThermal{{"k_radps_per_K", {8e-4, -5e-4, 6e-4}}};
+const test::Parameters kSurplusArm{{"r_m", {0.1, -0.05, 0.08}}};
 
 sim::SimulationConfig with(sim::SimulationConfig config, const std::string& id, const test::Parameters& parameters) {
   config.effects.push_back({.id = id, .parameters = parameters, .axes = {}, .window_s = {}});
@@ -21,7 +21,7 @@ class SurplusPhysics : public testing::TestWithParam<const char*> {};
 TEST_P(SurplusPhysics, AnEffectThatTheSensorHasNotIsNamedAndTakenOut) {
   const auto truth = test::baseline(GetParam());
   const io::Recording recording = test::record(truth, "", {}, 3);
-  const auto simulation = with(with(truth, "gyr_temp_lin", kThermal), "acc_lever", kArm);
+  const auto simulation = with(with(truth, "gyr_temp_lin", kSurplusThermal), "acc_lever", kSurplusArm);
   const Answer answer = diagnose(recording, simulation);
   EXPECT_EQ(answer.diagnosis.verdict, Verdict::kSurplusPhysics) << answer.diagnosis.summary;
   EXPECT_TRUE(test::names(answer).empty());
@@ -33,7 +33,7 @@ TEST_P(SurplusPhysics, AnEffectThatTheSensorHasNotIsNamedAndTakenOut) {
 TEST_P(SurplusPhysics, AnEffectOfHalfTheSizeIsSurplusAndFoundAgain) {
   const auto truth = test::baseline(GetParam());
   const io::Recording recording = test::record(truth, "acc_lever", {{"r_m", {0.05, -0.025, 0.04}}}, 4);
-  const auto simulation = with(truth, "acc_lever", kArm);
+  const auto simulation = with(truth, "acc_lever", kSurplusArm);
   const Answer answer = diagnose(recording, simulation);
   ASSERT_EQ(answer.diagnosis.surplus.size(), 1U);
   EXPECT_NEAR(answer.diagnosis.surplus[0].in_recording, 0.5, 0.05);
@@ -45,8 +45,8 @@ TEST_P(SurplusPhysics, AnEffectOfHalfTheSizeIsSurplusAndFoundAgain) {
 
 TEST_P(SurplusPhysics, WhatTheRecordingHoldsStays) {
   const auto truth = test::baseline(GetParam());
-  const io::Recording recording = test::record(truth, "gyr_temp_lin", kThermal, 5);
-  const Answer answer = diagnose(recording, with(truth, "gyr_temp_lin", kThermal));
+  const io::Recording recording = test::record(truth, "gyr_temp_lin", kSurplusThermal, 5);
+  const Answer answer = diagnose(recording, with(truth, "gyr_temp_lin", kSurplusThermal));
   EXPECT_EQ(answer.diagnosis.verdict, Verdict::kNoMismatch) << answer.diagnosis.summary;
   EXPECT_TRUE(answer.diagnosis.surplus.empty());
 }

@@ -23,7 +23,7 @@ sim::SimulationConfig quiet(const std::string& reference = "mocap", const std::s
 
 Vec3 slowly(double t_s) { return 2e-3 * Vec3(std::sin(0.3 * t_s), std::cos(0.17 * t_s), std::sin(0.45 * t_s + 1.0)); }
 
-Signals signals_of(const io::Recording& r, const sim::SimulationConfig& config) {
+Signals wandering_signals_of(const io::Recording& r, const sim::SimulationConfig& config) {
   Result<Signals> s = make_signals(r, config, {});
   EXPECT_TRUE(s);
   return *s;
@@ -36,7 +36,7 @@ TEST_P(Wandering, IsTakenOutOfWhatTheReferencePredicts) {
   const io::Recording right = test::record(config, "", {}, 5);
   io::Recording wrong = right;
   test::turn_reference(wrong, slowly, GetParam());
-  const Signals truth = signals_of(right, config), before = signals_of(wrong, config);
+  const Signals truth = wandering_signals_of(right, config), before = wandering_signals_of(wrong, config);
   Signals after = before;
   Answer answer;
   take_out_wandering(after, answer);
@@ -62,7 +62,7 @@ TEST(Wandering, IsNothingThatOneSensorSays) {
                               "\n  - {effect: gyr_temp_lin, k_radps_per_K: [0.0002, -0.0001, 0.0002]}",
                               "\n  - {effect: mag_temp_lin, k_uT_per_K: [0.05, -0.04, 0.06]}", " []"}) {
     const sim::SimulationConfig config = quiet("mocap", effects);
-    Signals s = signals_of(test::record(config, "", {}, 7), config);
+    Signals s = wandering_signals_of(test::record(config, "", {}, 7), config);
     Answer answer;
     take_out_wandering(s, answer);
     EXPECT_FALSE(s.reference_wanders) << effects;
@@ -88,7 +88,7 @@ TEST(Wandering, IsNoMountThatGivesWay) {
   test::turn_reference(r, [](double t_s) -> Vec3 {
     return (1.0 - std::exp(-std::max(0.0, t_s - 25.0) / 5.0)) * Vec3(8e-3, 2e-3, -3e-3);
   });
-  Signals s = signals_of(r, config);
+  Signals s = wandering_signals_of(r, config);
   Answer answer;
   take_out_wandering(s, answer);
   EXPECT_FALSE(s.reference_wanders);
@@ -98,7 +98,7 @@ TEST(Wandering, IsNotLookedForInAnExactReference) {
   const sim::SimulationConfig config = quiet("exact");
   io::Recording r = test::record(config, "", {}, 5);
   test::turn_reference(r, slowly);
-  Signals s = signals_of(r, config);
+  Signals s = wandering_signals_of(r, config);
   s.exact_reference = true;
   Answer answer;
   take_out_wandering(s, answer);

@@ -16,7 +16,8 @@ using testing::HasSubstr;
 
 constexpr const char* kUnnamed = "t,ax,ay,az,gx,gy,gz";
 
-std::string table_of(const std::vector<RawSample>& samples, const std::string& header = kUnnamed, double factor = 1.0) {
+std::string table_in_order(const std::vector<RawSample>& samples, const std::string& header = kUnnamed,
+                           double factor = 1.0) {
   return test::table(samples, {header, ",", factor, 0, {{&RawSample::acc_mps2, 1.0}, {&RawSample::gyr_radps, 1.0}}});
 }
 
@@ -24,7 +25,7 @@ TEST(Order, RowsWhoseTimeGoesBackTellNoUnit) {
   auto samples = test::hand();
   constexpr std::size_t kAgain = 800;
   std::rotate(samples.begin(), samples.begin() + kAgain, samples.end());
-  const auto imported = read(file("restart.csv", table_of(samples)));
+  const auto imported = read(file("restart.csv", table_in_order(samples)));
   EXPECT_THAT(all(imported.reasons), HasSubstr("gx, gy, gz looks like rad/s"));
   EXPECT_THAT(all(imported.reasons), HasSubstr("800 rows dropped, whose time does not advance"));
   ASSERT_EQ(imported.recording.size(), samples.size() - kAgain);
@@ -36,7 +37,7 @@ TEST(Order, OneWildStampCostsItsOwnRowAlone) {
   for (const std::size_t wild : {std::size_t{0}, std::size_t{100}, rows - 1}) {
     auto samples = test::hand();
     samples[wild].t_ns = 1'000'000'000'000'000;
-    const auto imported = read(file("wild.csv", table_of(samples)));
+    const auto imported = read(file("wild.csv", table_in_order(samples)));
     EXPECT_EQ(imported.recording.size(), rows - 1) << "row " << wild;
     EXPECT_THAT(all(imported.reasons), HasSubstr("1 row dropped, far ahead of all others in time"));
     EXPECT_THAT(all(imported.reasons), HasSubstr("gx, gy, gz looks like rad/s"));
@@ -54,7 +55,7 @@ TEST(Order, ACounterOf32BitsGoesOnWhereItWraps) {
     const auto truth = samples;
     for (auto& s : samples) s.t_ns = (s.t_ns + period_ns - 2'000'000'000) % period_ns;
     const std::string header = std::string(name) + ",ax,ay,az,gx,gy,gz";
-    const auto imported = read(file("wrap.csv", table_of(samples, header, 1e9 / static_cast<double>(tick_ns))));
+    const auto imported = read(file("wrap.csv", table_in_order(samples, header, 1e9 / static_cast<double>(tick_ns))));
     ASSERT_EQ(imported.recording.size(), truth.size()) << name;
     EXPECT_NEAR(static_cast<double>(imported.recording.t_ns.back()),
                 static_cast<double>(truth.back().t_ns - truth.front().t_ns), 2000.0);
@@ -66,7 +67,8 @@ TEST(Order, ARestartIsNoWrap) {
   auto samples = test::hand();
   for (std::size_t i = 0; i < samples.size(); ++i)
     samples[i].t_ns = static_cast<std::int64_t>(i < 1500 ? i : i - 1500) * 10'000'000;
-  const auto imported = read(file("again.csv", table_of(samples, "t,ax,ay,az,gyr_x_radps,gyr_y_radps,gyr_z_radps")));
+  const auto imported =
+      read(file("again.csv", table_in_order(samples, "t,ax,ay,az,gyr_x_radps,gyr_y_radps,gyr_z_radps")));
   EXPECT_EQ(imported.recording.size(), 1500U);
   EXPECT_THAT(all(imported.reasons), testing::Not(HasSubstr("wraps")));
 }

@@ -16,7 +16,7 @@ using test::MotionParams;
 using test::RandomMotion;
 using test::within;
 
-std::string line(const AttitudeEstimate& e) {
+std::string whole_line(const AttitudeEstimate& e) {
   std::ostringstream out;
   out << std::fixed << std::setprecision(6) << 1e-9 * static_cast<double>(e.t_ns);
   for (const double x : e.q_world_body) out << ' ' << x;
@@ -41,7 +41,7 @@ std::string trace_of(AttitudeFilter& filter, const MotionParams& params, double 
     CalibratedSample s = motion.next(in_round_s < 5.0);
     if (!change(t_s, s)) continue;
     const AttitudeEstimate e = filter.step(s, in_round_s > 0.5 && in_round_s < 5.0);
-    trace.add(e.t_ns, [&e] { return line(e); });
+    trace.add(e.t_ns, [&e] { return whole_line(e); });
   }
   return trace.text;
 }
@@ -166,7 +166,7 @@ TEST(GoldenFaults, BackwardsInTime) {
     s.t_ns = samples[k].t_ns;
     vec(s.gyr_radps) *= -1.0;
     const AttitudeEstimate e = filter.step(s, (samples.size() - 1 - k) % 2000 < 500);
-    if (k % 100 == 0) trace += line(e);
+    if (k % 100 == 0) trace += whole_line(e);
   }
   test::check_golden("backwards", trace);
 }

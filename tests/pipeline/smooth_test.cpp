@@ -46,7 +46,7 @@ TEST(Smooth, ABackwardThatKnowsNoHeadingHelpsTheTiltAlone) {
   EXPECT_NEAR(std::hypot(up.x(), up.y()), 0.02, 2e-3);
 }
 
-constexpr char kHand[] =
+constexpr char kHandInRoom[] =
     "rate_hz: 100\n"
     "accelerometer: {noise_mps2: 0.03, bias: [0.02, -0.01, 0.03], matrix: [[1, 0, 0], [0, 1, 0], [0, 0, 1]]}\n"
     "gyroscope: {noise_radps: 0.004, bias: [0.03, -0.02, 0.015], matrix: [[1.003, 0, 0.002], [0, 0.996, 0], [0, 0, "
@@ -82,7 +82,7 @@ struct BothWays {
 BothWays both_ways(std::uint64_t seed) {
   std::vector<sim::SimulatedSample> truths;
   BothWays out;
-  test::run_simulated(kHand, {}, seed, [&](const sim::SimulatedSample& truth, const Processed& p) {
+  test::run_simulated(kHandInRoom, {}, seed, [&](const sim::SimulatedSample& truth, const Processed& p) {
     truths.push_back(truth);
     out.causal.add(truth, p);
   });
@@ -109,7 +109,7 @@ TEST(Smooth, AHandsMotionIsBetterKnownAfterwardsAndStillCovered) {
 TEST(Smooth, AMagnetThatComesLateLeavesTheBeginning) {
   for (const std::uint64_t seed : {1U, 2U, 3U}) {
     std::vector<sim::SimulatedSample> truths;
-    test::run_simulated(kHand, {}, seed, [&](const sim::SimulatedSample& truth, const Processed&) {
+    test::run_simulated(kHandInRoom, {}, seed, [&](const sim::SimulatedSample& truth, const Processed&) {
       truths.push_back(truth);
       if (truths.size() > 8000) vec(truths.back().sample.mag_uT) += Vec3(60.0, 80.0, -70.0);
     });

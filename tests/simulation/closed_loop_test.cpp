@@ -9,7 +9,7 @@
 namespace stillpoint::sim {
 namespace {
 
-constexpr double kRate_hz = 2000.0;
+constexpr double kLoopRate_hz = 2000.0;
 
 /// An ideal sensor: no noise, no effect; H and B are not trivial and are taken off as a user takes them off.
 SimulationConfig ideal(const std::string& kind, const std::string& effects = "") {
@@ -32,8 +32,9 @@ struct Ends {
 Ends navigate(const SimulationConfig& c, double from_s, double to_s) {
   const std::shared_ptr<const Motion> motion = make_motion(*c.motion, 6);
   const auto rows = simulate(c, motion, 6);
-  const auto start = static_cast<std::size_t>(from_s * kRate_hz), end = static_cast<std::size_t>(to_s * kRate_hz);
-  const double h = 2.0 / kRate_hz;
+  const auto start = static_cast<std::size_t>(from_s * kLoopRate_hz),
+             end = static_cast<std::size_t>(to_s * kLoopRate_hz);
+  const double h = 2.0 / kLoopRate_hz;
   const Vec3 gravity(0.0, 0.0, c.gravity_mps2);
   Quat q = rows[start].true_q_world_body;
   Vec3 v = motion->at(from_s).velocity_mps, p = rows[start].true_position_m;

@@ -9,7 +9,7 @@
 namespace stillpoint::sources {
 namespace {
 
-constexpr const char* kHeader = "time_us,acc_x_mps2,acc_y_mps2,acc_z_mps2\n";
+constexpr const char* kPlainHeader = "time_us,acc_x_mps2,acc_y_mps2,acc_z_mps2\n";
 
 /// Feeds the bytes in pieces of at most `most`; what came out.
 std::vector<Reading> feed(Splitter& splitter, std::string_view bytes, std::size_t most, std::uint64_t* all_steps = {}) {
@@ -45,7 +45,7 @@ std::string frame(int k) {
 }
 
 TEST(Splitter, LinesComeOutWholeHoweverTheyArrive) {
-  std::string text = kHeader;
+  std::string text = kPlainHeader;
   for (int k = 1; k <= 500; ++k) text += line(k);
   for (const std::size_t most : {1U, 7U, 100U, 8192U}) {
     Splitter splitter({});
@@ -59,7 +59,7 @@ TEST(Splitter, LinesComeOutWholeHoweverTheyArrive) {
 TEST(Splitter, ADamagedLineCostsItselfAndIsAGapOfTheSequence) {
   Splitter splitter({});
   std::uint64_t steps = 0;
-  const auto got = feed(splitter, kHeader + line(1) + "2,0,\n" + line(3), 5, &steps);
+  const auto got = feed(splitter, kPlainHeader + line(1) + "2,0,\n" + line(3), 5, &steps);
   ASSERT_EQ(got.size(), 2U);
   EXPECT_EQ(steps, 3U);
   EXPECT_EQ(splitter.counts().malformed, 1U);
@@ -68,7 +68,7 @@ TEST(Splitter, ADamagedLineCostsItselfAndIsAGapOfTheSequence) {
 
 TEST(Splitter, TheFirstLineOfALineJoinedInItsMidstIsNotTrusted) {
   Splitter splitter({});
-  feed(splitter, kHeader + line(1000), 100);
+  feed(splitter, kPlainHeader + line(1000), 100);
   splitter.restart(true);
   const auto got = feed(splitter, "2,0,0,9.8\n" + line(2003), 100);  // "2" is the rest of "2002"
   ASSERT_EQ(got.size(), 1U);
@@ -77,7 +77,7 @@ TEST(Splitter, TheFirstLineOfALineJoinedInItsMidstIsNotTrusted) {
 
 TEST(Splitter, ALineWithoutEndIsPassedOver) {
   Splitter splitter({});
-  feed(splitter, kHeader, 100);
+  feed(splitter, kPlainHeader, 100);
   const auto got = feed(splitter, std::string(20'000, '7') + "\n" + line(5), 4096);
   ASSERT_EQ(got.size(), 1U);
   EXPECT_GE(splitter.counts().skipped_bytes, 8192U);
@@ -89,14 +89,14 @@ TEST(Splitter, AHeaderWithoutAKnownNameIsTold) {
   EXPECT_EQ(splitter.unknown_names(), "");
   feed(splitter, "t,accx_g,acc_y,acc_z\n1,0,0,1\n", 100);
   EXPECT_NE(splitter.unknown_names().find("t, accx_g (acc_x_g?), "), std::string::npos) << splitter.unknown_names();
-  feed(splitter, kHeader + line(1), 100);
+  feed(splitter, kPlainHeader + line(1), 100);
   EXPECT_EQ(splitter.unknown_names(), "");
 }
 
 TEST(Splitter, LinesThatEndWithACarriageReturnAloneAreTold) {
   for (const bool alone : {true, false}) {
     Splitter splitter({});
-    std::string text = kHeader;
+    std::string text = kPlainHeader;
     for (int k = 0; k < 1000; ++k) text += line(k);
     std::string with_returns;
     for (const char c : text) with_returns += c != '\n' ? std::string(1, c) : alone ? "\r" : "\r\n";
@@ -128,7 +128,7 @@ TEST(Splitter, AnythingAtAllIsSurvived) {
   std::mt19937 random(1);
   const std::string pieces[] = {line(1),
                                 frame(2),
-                                kHeader,
+                                kPlainHeader,
                                 R"({"acc_g":[0,0,1]})"
                                 "\n",
                                 "\xA5\x5A",
