@@ -85,6 +85,10 @@ class FieldFilter {
     double gyr_bias_sd_radps = 0.0;  ///< and for its time; zero where nothing is known of the bias
   };
   Verdict update(const Pair& pair) noexcept;
+  /// Squared length of what the states leave of a pair, without the share of its turn's own error, uT^2.
+  [[nodiscard]] double misfit_uT2(const Pair& pair) const noexcept;
+  /// Before any pair: what a pair is expected to be off for the place's sake, uT^2 per axis.
+  void expect_misfit(double uT2) noexcept { s_.misfit_uT2 = uT2; }
 
   [[nodiscard]] Mat3 matrix() const noexcept;      ///< I + D
   [[nodiscard]] Vec3 carried_uT() const noexcept;  ///< c
@@ -105,6 +109,8 @@ class FieldFilter {
  private:
   using Mat3x12 = Eigen::Matrix<double, 3, kStates>;
   [[nodiscard]] static Mat3x12 design(const Pair& pair, const Mat3& lever) noexcept;
+  [[nodiscard]] Vec3 innovation(const Pair& pair, const Mat3x12& h) const noexcept;
+  [[nodiscard]] Mat3 turned(const Pair& pair) const noexcept;
   void open_carried_field(const Vec3& change) noexcept;
   void note_misfit(const Vec3& e, const Mat3& lever, bool rejected) noexcept;
   /// Of the carried field, where it explains the misfits of lately.

@@ -104,6 +104,13 @@ bool OnlineCalibrator::absorb(const FieldTurn& turn) noexcept {
   return true;
 }
 
+void OnlineCalibrator::take_field(const MagLearner& field) noexcept {
+  mag_ = field;
+  mag_.publish(snapshot_.mag);
+  name_fault(2);
+  ++snapshot_.version;
+}
+
 bool OnlineCalibrator::absorb(std::span<KnownTurn> turns) noexcept {
   if (!gyr_matrix_.absorb(turns) || !gyr_matrix_.publish(snapshot_.gyr)) return false;
   ++snapshot_.version;

@@ -74,6 +74,9 @@ class OnlineCalibrator {
   bool absorb(const FieldTurn& turn) noexcept;
   /// Turns of known angle, before the windows of the same recording. Each says whether it was used.
   bool absorb(std::span<KnownTurn> turns) noexcept;
+  /// What a whole recording teaches of the field (offline/field_again.h), in place of what its turns did one by one.
+  void take_field(const MagLearner& field) noexcept;
+  [[nodiscard]] const MagLearner& field() const noexcept { return mag_; }
   /// The gyroscope's matrix with its covariance.
   [[nodiscard]] const GyroMatrixFit& gyr_matrix() const noexcept { return gyr_matrix_.stated(); }
   [[nodiscard]] const CalibrationSnapshot& snapshot() const noexcept { return snapshot_; }

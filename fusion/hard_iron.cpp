@@ -10,7 +10,7 @@ namespace {
 using Matrix6 = Eigen::Matrix<double, 6, 6>;
 using Vector6 = Eigen::Matrix<double, 6, 1>;
 constexpr double kUnknownField_uT = 100.0;
-constexpr double kFoundWithin_uT = 12.0;  ///< root of the trace: a heading is better than none
+constexpr double kFoundWithin_uT = 15.0;  ///< root of the trace, 25 deg of heading: better than none
 constexpr double kSettled_uT = 3.0;       ///< root of the trace
 constexpr double kUnexpected = 3.0;       ///< the mean of a chi-square of three: larger than the prior has it
 constexpr double kAnother = 16.0;         ///< of a chi-square of three

@@ -34,8 +34,10 @@ void IronFinder::forget() noexcept {
   fewest_ = 0.5 * kMemory;
 }
 
+double IronFinder::degrees_of_freedom() const noexcept { return std::max(1.0, 3.0 * turns_ - 3.0); }
+
 double IronFinder::residual_uT2() const noexcept {
-  const double left = (changes2_ - vec(weighted_).dot(vec(body_))) / std::max(1.0, 3.0 * turns_ - 3.0);
+  const double left = (changes2_ - vec(weighted_).dot(vec(body_))) / degrees_of_freedom();
   return std::max(left, kSmallestNoise_uT * kSmallestNoise_uT);
 }
 
@@ -68,13 +70,15 @@ Mat3 IronFinder::covariance_uT2() const noexcept {
 }
 
 void IronFinder::rebase(const Mat3& K, const Vec3& c) noexcept {
+  if (K.isIdentity(1e-12) && c.isZero(1e-9)) return;  // another version of the calibration, of the same numbers
   const Vec3 body = K * Vec3(vec(body_)) + c;
-  const double scale = std::cbrt(std::abs(K.determinant()));
-  // The sums are of the former readings: their information stays, turned to the new unit, about the new value.
+  const double scale = std::cbrt(std::abs(K.determinant())), left_uT2 = residual_uT2();
+  // The sums are of the former readings: their information stays, turned to the new unit, about the new value, and so
+  // does the misfit that they were weighed by.
   mat(information_) /= scale * scale;
   vec(body_) = body;
   vec(weighted_) = mat(information_) * body;
-  changes2_ = body.dot(vec(weighted_)) + 3.0 * turns_ * kSmallestNoise_uT * kSmallestNoise_uT;
+  changes2_ = body.dot(vec(weighted_)) + left_uT2 * degrees_of_freedom();
   short_turns_.interrupt();
 }
 

@@ -31,6 +31,7 @@ class IronFinder {
  private:
   void forget() noexcept;
   void add_turn(const Mat3& turn, const Vec3& change_uT) noexcept;
+  [[nodiscard]] double degrees_of_freedom() const noexcept;
   [[nodiscard]] double residual_uT2() const noexcept;
 
   ShortTurns short_turns_;

@@ -42,6 +42,12 @@ class Parser {
     }
     if (out_.t_ns.empty())
       return fail(ErrorKind::kBadData, fmt::format("{}:{}: the recording has no rows after its header", name_, line_));
+    if (out_.issues.backward_time.count > out_.size())
+      return fail(ErrorKind::kBadData,
+                  fmt::format("{}:{}: the time goes back, in {} of {} rows; a recording's rows stand in the order of "
+                              "their time: sort them, or name the column that is the time",
+                              name_, out_.issues.backward_time.first_line, out_.issues.backward_time.count,
+                              out_.issues.backward_time.count + out_.size()));
     find_gaps(out_, lines_);
     return std::move(out_);
   }

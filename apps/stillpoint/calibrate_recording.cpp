@@ -8,6 +8,7 @@
 #include <cstdlib>
 #include <limits>
 #include <span>
+#include <vector>
 
 #include "apps/stillpoint/calibrate.h"
 #include "apps/stillpoint/calibrate_output.h"
@@ -19,6 +20,7 @@
 #include "apps/stillpoint/plausible.h"
 #include "apps/stillpoint/progress.h"
 #include "calib_online/field_turns.h"
+#include "calib_online/offline/field_again.h"
 #include "calib_online/online_calibrator.h"
 #include "calib_online/rest_detector.h"
 #include "io/calibration_state.h"
@@ -85,24 +87,70 @@ double middle_norm(const std::vector<Vec3>& readings) {
   return *middle;
 }
 
+/// take(row, sample) for what the daemon's first stages make of the rows; gyr(row): what is known of the gyroscope by
+/// then.
+template <class Gyr, class Take>
+void each_sample(const io::Recording& recording, const char* doing, const Gyr& gyr, const Take& take) {
+  const pipeline::GuardParams usual;
+  pipeline::GuardStage guard(usual);
+  pipeline::AssembleStage assemble(usual.late_s, gyr(0));  // sensors may have rows of their own
+  Progress progress(doing);
+  for (std::size_t row = 0; row < recording.size(); ++row) {
+    if (row % 4096 == 0) progress.at(static_cast<double>(row) / static_cast<double>(recording.size()));
+    pipeline::GuardedSample as_read, joined;
+    if (guard.process(recording.sample(row), as_read) == pipeline::StageStatus::kDrop) continue;
+    assemble.use(gyr(row));
+    if (assemble.process(as_read, joined) == pipeline::StageStatus::kDrop) continue;
+    take(row, joined);
+  }
+}
+
+/// The turns of the field by the matrix of the gyroscope that all of the recording has told, and the bias of the rest
+/// after each: they are known when the recording is over.
+std::vector<calib::FieldTurn> field_turns(const io::Recording& recording, const CalibrationRun& run) {
+  std::vector<calib::FieldTurn> out;
+  calib::FieldTurnFinder turns;
+  CalibrationSnapshot known = run.learnt;
+  auto next = run.course.begin();
+  const auto gyr = [&](std::size_t row) -> const TriadCalibration& {
+    const double t_s = recording.t_s(row) - recording.t_s(0);
+    while (next != run.course.end() && (next->t_s < t_s || next->known.gyr.windows == 0)) ++next;
+    known.gyr.bias = next == run.course.end() ? run.learnt.gyr.bias : next->known.gyr.bias;
+    return known.gyr;
+  };
+  each_sample(recording, "calibrating the magnetometer", gyr, [&](std::size_t, const pipeline::GuardedSample& joined) {
+    if (auto turn = turns.push(joined.sample, joined.clipped, known, joined.mag_turn_rad)) out.push_back(*turn);
+  });
+  return out;
+}
+
+/// Keeps what the daemon's order taught where it is as sure.
+void learn_field_again(const io::Recording& recording, const calib::OnlineCalibrator& at_first,
+                       calib::OnlineCalibrator& calibrator, CalibrationRun& run) {
+  const calib::MagLearner again = calib::learn_field(at_first.field(), field_turns(recording, run),
+                                                     run.state.gyr_matrix_sd, run.learnt.gyr.norm_sd);
+  TriadCalibration learnt;
+  again.publish(learnt);
+  const TriadCalibration& before = run.learnt.mag;
+  const bool was_known = before.status == CalibrationStatus::kOk;
+  if (learnt.status != CalibrationStatus::kOk || (was_known && before.norm_sd <= learnt.norm_sd)) return;
+  calibrator.take_field(again);
+  run.learnt = calibrator.snapshot();
+  run.state = calibrator.state();
+  run.course.push_back({run.duration_s, run.learnt});
+}
+
 CalibrationRun calibrate(const io::Recording& recording, calib::OnlineCalibrator& calibrator,
                          calib::RestDetectorParams params) {
+  const calib::OnlineCalibrator at_first = calibrator;
   CalibrationRun run;
   run.gravity_mps2 = params.gravity_mps2 = calibrator.params().gravity_mps2;
   run.factory = calibrator.factory();
   calib::RestDetector detector(params);
   calib::FieldTurnFinder turns;
-  const pipeline::GuardParams usual;
-  pipeline::GuardStage guard(usual);
-  pipeline::AssembleStage assemble(usual.late_s, calibrator.snapshot().gyr);  // sensors may have rows of their own
-  Progress progress("calibrating");
   std::size_t last_row = 0;  // that gave a sample
-  for (std::size_t row = 0; row < recording.size(); ++row) {
-    if (row % 4096 == 0) progress.at(static_cast<double>(row) / static_cast<double>(recording.size()));
-    pipeline::GuardedSample as_read, joined;
-    if (guard.process(recording.sample(row), as_read) == pipeline::StageStatus::kDrop) continue;
-    assemble.use(calibrator.snapshot().gyr);
-    if (assemble.process(as_read, joined) == pipeline::StageStatus::kDrop) continue;
+  const auto gyr = [&](std::size_t) -> const TriadCalibration& { return calibrator.snapshot().gyr; };
+  each_sample(recording, "calibrating", gyr, [&](std::size_t row, const pipeline::GuardedSample& joined) {
     const auto window = detector.push(joined.sample, calibrator.snapshot());
     const auto note_if = [&](bool changed) {
       if (changed) run.course.push_back({recording.t_s(row) - recording.t_s(0), calibrator.snapshot()});
@@ -111,11 +159,11 @@ CalibrationRun calibrate(const io::Recording& recording, calib::OnlineCalibrator
       note_if(calibrator.absorb(*turn));
     run.refused_s[std::string(calib::name(detector.last_refusal()))] += recording.t_s(row) - recording.t_s(last_row);
     last_row = row;
-    if (!window) continue;
+    if (!window) return;
     if (window->has != 0) run.windows.push_back(*window);
     note_if(calibrator.absorb(*window));
     note_faults(calibrator.snapshot(), recording.t_s(row), run);
-  }
+  });
   run.middle_norm_mps2 = middle_norm(recording.acc_mps2);
   run.learnt = calibrator.snapshot();
   run.gyr_matrix = calibrator.gyr_matrix();
@@ -123,6 +171,7 @@ CalibrationRun calibrate(const io::Recording& recording, calib::OnlineCalibrator
   run.has_mag = !recording.mag_uT.empty();
   run.begin_ns = recording.t_ns.front();
   run.duration_s = recording.t_s(recording.size() - 1) - recording.t_s(0);
+  if (run.has_mag) learn_field_again(recording, at_first, calibrator, run);
   return run;
 }
 

@@ -73,7 +73,8 @@ void validate_on(const std::string& file, const io::Recording& other, const sim:
 }
 
 /// Writes the answer wherever it is asked for. `improve` writes the improved simulation or log.
-int tell(const Options& o, bool quiet, const diag::Answer& answer, const std::function<Result<void>()>& improve) {
+int give_answer(const Options& o, bool quiet, const diag::Answer& answer,
+                const std::function<Result<void>()>& improve) {
   const std::string blocks = blocks_to_paste(answer.effects), json = o.json.file();
   if (!quiet) std::fputs(diag::to_text(answer.diagnosis).c_str(), stdout);
   if (!quiet && !blocks.empty()) std::printf("\nNEXT     put the physics where it is missing:\n%s", blocks.c_str());
@@ -103,7 +104,7 @@ int diagnose_simulated_log(const Options& o, bool quiet, const io::Recording& re
   auto& notices = found->answer.diagnosis.notices;
   for (const auto& line : io::describe(recording.issues)) notices.push_back(line);
   for (const auto& line : io::describe(log->issues)) notices.push_back(o.simulated + ": " + line);
-  return tell(o, quiet, found->answer, [&] { return io::write_recording(found->improved, o.improved); });
+  return give_answer(o, quiet, found->answer, [&] { return io::write_recording(found->improved, o.improved); });
 }
 
 int diagnose_simulation(const Options& o, bool quiet, const io::Recording& recording) {
@@ -115,7 +116,7 @@ int diagnose_simulation(const Options& o, bool quiet, const io::Recording& recor
   for (const auto& line : io::describe(recording.issues)) answer.diagnosis.notices.push_back(line);
   if (!o.validate.empty()) validate_on(o.validate, *other, *simulation, answer);
   const sim::SimulationConfig improved = diag::improved_by(answer, *simulation);
-  return tell(o, quiet, answer, [&] { return io::write_simulation(improved, o.improved); });
+  return give_answer(o, quiet, answer, [&] { return io::write_simulation(improved, o.improved); });
 }
 
 int run_diagnose(const Options& o) {

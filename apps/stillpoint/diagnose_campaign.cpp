@@ -17,8 +17,8 @@ namespace stillpoint::app {
 namespace {
 
 /// Each by itself, as many at once as there are processors.
-void diagnose_each(const sim::SimulationConfig& simulation, const std::vector<std::string>& without,
-                   std::vector<diag::CampaignPart>& parts) {
+void diagnose_parts(const sim::SimulationConfig& simulation, const std::vector<std::string>& without,
+                    std::vector<diag::CampaignPart>& parts) {
   std::atomic<std::size_t> done{0};
   at_once(parts.size(), processors(), [&](std::size_t i) {
     parts[i].answer = diag::diagnose(*parts[i].recording, simulation, without);
@@ -41,7 +41,7 @@ int diagnose_campaign(const CampaignOptions& o) {
     recordings.push_back(std::move(*recording));
     parts.push_back({file, &recordings.back(), {}});
   }
-  diagnose_each(*simulation, o.without, parts);
+  diagnose_parts(*simulation, o.without, parts);
   const diag::Campaign campaign = diag::join(parts, *simulation);
   if (!o.quiet) std::fputs(diag::to_text(campaign, parts).c_str(), stdout);
   if (!o.improved.empty())

@@ -70,6 +70,13 @@ TEST(Recording, CountsWhatItDoesNotAccept) {
   EXPECT_EQ(r->size(), 6U);
 }
 
+TEST(Recording, WhoseTimeRunsBackwardsIsNotOneRow) {
+  const auto r = parse_recording(std::string(kHeader) + "3,1,2,3\n2,1,2,3\n1,1,2,3\n0,1,2,3\n", "f.csv");
+  ASSERT_FALSE(r);
+  EXPECT_EQ(r.error().kind, ErrorKind::kBadData);
+  EXPECT_THAT(r.error().message, ::testing::StartsWith("f.csv:3: the time goes back, in 3 of 4 rows"));
+}
+
 TEST(Recording, JoinsRowsOfOneTimeThatCompleteEachOther) {
   const std::string header = "time_s,acc_x_mps2,acc_y_mps2,acc_z_mps2,mag_x_uT,mag_y_uT,mag_z_uT\n";
   const auto r =
