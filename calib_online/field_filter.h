@@ -89,6 +89,7 @@ class FieldFilter {
   [[nodiscard]] double misfit_uT2(const Pair& pair) const noexcept;
   /// Before any pair: what a pair is expected to be off for the place's sake, uT^2 per axis.
   void expect_misfit(double uT2) noexcept { s_.misfit_uT2 = uT2; }
+  void count_each_pair() noexcept { params_.repeats = 1.0; }
 
   [[nodiscard]] Mat3 matrix() const noexcept;      ///< I + D
   [[nodiscard]] Vec3 carried_uT() const noexcept;  ///< c

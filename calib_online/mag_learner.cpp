@@ -51,32 +51,38 @@ std::optional<double> MagLearner::misfit_uT2(std::span<const FieldTurn> turns, d
 }
 
 /// The frame is the gyroscope's, which the turns between windows have brought into the accelerometer's.
-void MagLearner::publish(TriadCalibration& out) const noexcept {
-  const FieldFilter::State& f = field_.state();
-  out = factory_;
-  out.windows = f.pairs;
-  // Half known is not published: what turns about one axis leave open, the place would fill in.
-  const bool observable = field_.observable(), better = field_.better_than_factory();
-  if (!observable || !better) {
-    out.status = f.changes > 0         ? CalibrationStatus::kReplaced
-                 : f.pairs < kFewTurns ? CalibrationStatus::kTooFewWindows
-                 : observable          ? CalibrationStatus::kFactory
-                                       : CalibrationStatus::kNotObservable;
-    return;
-  }
+std::optional<TriadCalibration> MagLearner::so_far() const noexcept {
+  TriadCalibration out = factory_;
+  out.windows = field_.state().pairs;
   const Mat3 T = field_.matrix();
   const Mat3 H_inv = mat(factory_.matrix).inverse();
   const Mat3 to_reading = H_inv * T.inverse();
-  if (!to_reading.allFinite() || !(T.determinant() > 0.0)) {
-    out.status = CalibrationStatus::kNotPositiveDefinite;
-    return;
-  }
+  if (!to_reading.allFinite() || !(T.determinant() > 0.0)) return std::nullopt;
   // u = T (H_f (y - b_f)) - c
   out.matrix = array(Mat3(T * mat(factory_.matrix)));
   out.bias = array(Vec3(vec(factory_.bias) + to_reading * field_.carried_uT()));
   out.bias_covariance = array(Mat3(to_reading * field_.carried_covariance() * to_reading.transpose()));
   out.norm_sd = std::sqrt(field_.uncertainty().norm_uT2);
   out.status = CalibrationStatus::kOk;
+  return out;
+}
+
+void MagLearner::publish(TriadCalibration& out) const noexcept {
+  const FieldFilter::State& f = field_.state();
+  // Half known is not published: what turns about one axis leave open, the place would fill in.
+  const bool observable = field_.observable(), better = field_.better_than_factory();
+  const auto learnt = observable && better ? so_far() : std::nullopt;
+  if (learnt) {
+    out = *learnt;
+    return;
+  }
+  out = factory_;
+  out.windows = f.pairs;
+  out.status = observable && better  ? CalibrationStatus::kNotPositiveDefinite
+               : f.changes > 0       ? CalibrationStatus::kReplaced
+               : f.pairs < kFewTurns ? CalibrationStatus::kTooFewWindows
+               : observable          ? CalibrationStatus::kFactory
+                                     : CalibrationStatus::kNotObservable;
 }
 
 }  // namespace stillpoint::calib

@@ -21,11 +21,15 @@ class MagLearner {
   /// True: it is time to publish.
   bool absorb(const FieldTurn& t, double gyr_matrix_sd, double gyr_bias_sd_radps) noexcept;
   void publish(TriadCalibration& out) const noexcept;
+  /// The same, known or not; nothing where it is no calibration.
+  [[nodiscard]] std::optional<TriadCalibration> so_far() const noexcept;
 
   /// Mean square, uT^2 per axis, of what is learnt leaves of these turns for the place; nothing where they are too few.
   [[nodiscard]] std::optional<double> misfit_uT2(std::span<const FieldTurn> turns, double gyr_matrix_sd,
                                                  double gyr_bias_sd_radps) const noexcept;
   void expect_misfit(double uT2) noexcept { field_.expect_misfit(uT2); }
+  /// Not as if the same errors came again (F4): the closest fit, much too sure.
+  void count_each_turn() noexcept { field_.count_each_pair(); }
 
   [[nodiscard]] std::uint32_t turns() const noexcept { return field_.state().pairs; }
   [[nodiscard]] State state() const noexcept { return {field_.state(), t_ns_, published_ns_}; }

@@ -107,10 +107,10 @@ void each_sample(const io::Recording& recording, const char* doing, const Gyr& g
 
 /// The turns of the field by the matrix of the gyroscope that all of the recording has told, and the bias of the rest
 /// after each: they are known when the recording is over.
-std::vector<calib::FieldTurn> field_turns(const io::Recording& recording, const CalibrationRun& run) {
+std::vector<calib::FieldTurn> field_turns(const io::Recording& recording, const CalibrationRun& run,
+                                          CalibrationSnapshot known) {
   std::vector<calib::FieldTurn> out;
   calib::FieldTurnFinder turns;
-  CalibrationSnapshot known = run.learnt;
   auto next = run.course.begin();
   const auto gyr = [&](std::size_t row) -> const TriadCalibration& {
     const double t_s = recording.t_s(row) - recording.t_s(0);
@@ -124,11 +124,17 @@ std::vector<calib::FieldTurn> field_turns(const io::Recording& recording, const 
   return out;
 }
 
-/// Keeps what the daemon's order taught where it is as sure.
+/// Keeps what the daemon's order taught where it is as sure. Twice: iron that is taken out of the readings is not
+/// shortened in the means of a turning body.
 void learn_field_again(const io::Recording& recording, const calib::OnlineCalibrator& at_first,
                        calib::OnlineCalibrator& calibrator, CalibrationRun& run) {
-  const calib::MagLearner again = calib::learn_field(at_first.field(), field_turns(recording, run),
-                                                     run.state.gyr_matrix_sd, run.learnt.gyr.norm_sd);
+  CalibrationSnapshot known = run.learnt;
+  calib::MagLearner again = at_first.field();
+  for (int round = 0; round < 2; ++round) {
+    again = calib::learn_field(at_first.field(), field_turns(recording, run, known), run.state.gyr_matrix_sd,
+                               run.learnt.gyr.norm_sd);
+    known.mag = again.so_far().value_or(known.mag);
+  }
   TriadCalibration learnt;
   again.publish(learnt);
   const TriadCalibration& before = run.learnt.mag;
