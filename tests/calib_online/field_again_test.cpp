@@ -10,15 +10,15 @@ namespace stillpoint::calib {
 namespace {
 
 constexpr double kNoise_uT = 0.13;  // of the mean of a tenth of a second
-const Vec3 kIron_uT(31.0, -24.0, 8.0);
+const Vec3 kIron_uT(31.0, -24.0, 8.0), kLargeIron_uT(180.0, -200.0, 150.0);
 
 /// Turns between poses in every direction; the place differs by `uneven_uT` from one to the next.
-std::vector<FieldTurn> turns_between_poses(int count, double uneven_uT, unsigned seed) {
+std::vector<FieldTurn> turns_between_poses(int count, double uneven_uT, unsigned seed, const Vec3& iron_uT) {
   Dice dice(seed);
   Quat q = dice.rotation();
   const auto reading = [&] {
     const Vec3 field = Vec3(0, 20, -43) + dice.normal3(uneven_uT);
-    return array(Vec3(q.conjugate() * field + kIron_uT + dice.normal3(kNoise_uT)));
+    return array(Vec3(q.conjugate() * field + iron_uT + dice.normal3(kNoise_uT)));
   };
   std::vector<FieldTurn> out;
   Array3 last = reading();
@@ -39,9 +39,9 @@ std::vector<FieldTurn> turns_between_poses(int count, double uneven_uT, unsigned
   return out;
 }
 
-TriadCalibration taught(int turns, double uneven_uT, unsigned seed) {
+TriadCalibration taught(int turns, double uneven_uT, unsigned seed, const Vec3& iron_uT = kIron_uT) {
   TriadCalibration out;
-  learn_field(MagLearner({}, {}), turns_between_poses(turns, uneven_uT, seed), 1e-3, 1e-4).publish(out);
+  learn_field(MagLearner({}, {}), turns_between_poses(turns, uneven_uT, seed, iron_uT), 1e-3, 1e-4).publish(out);
   return out;
 }
 
@@ -54,6 +54,16 @@ TEST(FieldAgain, FiftyTurnsInAnEvenPlaceAreEnough) {
       EXPECT_NEAR(mag.bias[static_cast<std::size_t>(axis)], kIron_uT[axis], 3.0 * sd[axis]) << seed;
       EXPECT_LT(sd[axis], 0.3) << seed;
     }
+  }
+}
+
+TEST(FieldAgain, LargeIronIsNoUnevenPlace) {
+  for (unsigned seed = 1; seed <= 20; ++seed) {
+    const TriadCalibration mag = taught(50, 0.0, seed, kLargeIron_uT);
+    ASSERT_EQ(mag.status, CalibrationStatus::kOk) << seed;
+    const Vec3 sd = mat(mag.bias_covariance).diagonal().cwiseSqrt();
+    for (int axis = 0; axis < 3; ++axis)
+      EXPECT_NEAR(mag.bias[static_cast<std::size_t>(axis)], kLargeIron_uT[axis], 3.0 * sd[axis]) << seed;
   }
 }
 
