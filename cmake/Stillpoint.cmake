@@ -10,7 +10,7 @@ set(CMAKE_CXX_FLAGS_RELEASE "-O2 -DNDEBUG")  # our own SP_EXPECTS stays on in ev
 find_program(CCACHE ccache)
 if(CCACHE)
   # The sloppiness is what ccache asks for before it keeps a file that was compiled with a precompiled header. Paths count
-  # from the project's root: what one checkout has compiled serves the others.
+  # from the project's root: what one checkout has compiled one by one (CMAKE_UNITY_BUILD=OFF) serves the others.
   set(CMAKE_CXX_COMPILER_LAUNCHER ${CMAKE_COMMAND} -E env CCACHE_SLOPPINESS=pch_defines,time_macros
       CCACHE_BASEDIR=${PROJECT_SOURCE_DIR} CCACHE_NOHASHDIR=1 ${CCACHE})
 endif()
@@ -18,7 +18,7 @@ endif()
 # CMAKE_UNITY_BUILD, which the presets switch on, compiles eight sources of a folder as one: what they instantiate of Eigen
 # and the standard library is instantiated once, and a build takes half the time. Names in unnamed namespaces of one library
 # must differ then; "redefinition" means: rename it. Whoever edits one file over and over is faster with
-# -DCMAKE_UNITY_BUILD=OFF.
+# -DCMAKE_UNITY_BUILD=OFF, and where a compiler has less than 1.5 GB it must be.
 if(CMAKE_UNITY_BUILD AND CMAKE_CXX_COMPILER_ID STREQUAL GNU)
   set(subobject_linkage -Wno-subobject-linkage)  # an Impl that holds types of its own .cpp looks like one of a header
 endif()
