@@ -69,32 +69,34 @@ void FieldFilter::open_carried_field(const Vec3& change) noexcept {
   s_.pairs = s_.compared = 0;
 }
 
-Vec3 FieldFilter::innovation(const Pair& pair, const Mat3x12& h) const noexcept {
-  return pair.before_uT - pair.R * pair.after_uT - h * Eigen::Map<const StateVec>(s_.x.data());
+/// The calibrated field after the turn, in axes of before it.
+Vec3 FieldFilter::field_of(const Pair& pair) const noexcept {
+  return pair.R * (matrix() * pair.after_uT - carried_uT());
 }
 
 /// What the gyroscope's error makes of the pair: across the field a wrong turn moves it, along it never.
-Mat3 FieldFilter::turned(const Pair& pair) const noexcept {
+Mat3 FieldFilter::turned(const Pair& pair, const Vec3& field) const noexcept {
   const double rate_sd = pair.gyr_bias_sd_radps > 0.0 ? std::min(params_.gyr_bias_sd_radps, pair.gyr_bias_sd_radps)
                                                       : params_.gyr_bias_sd_radps;
   const double matrix_sd = std::min(params_.gyr_matrix_sd, pair.gyr_matrix_sd);
-  const Mat3 across = skew(pair.R * (matrix() * pair.after_uT - carried_uT()));
-  return (squared(matrix_sd * pair.path_rad) + squared(rate_sd * pair.time_s)) * across * across.transpose();
+  const double turn_var = squared(matrix_sd * pair.path_rad) + squared(rate_sd * pair.time_s);
+  return turn_var * skew(field) * skew(field).transpose();
 }
 
 double FieldFilter::misfit_uT2(const Pair& pair) const noexcept {
-  const Vec3 left = innovation(pair, design(pair, Mat3::Identity() - pair.R));
-  return std::max(0.0, left.squaredNorm() - turned(pair).trace());
+  const Vec3 field = field_of(pair), left = matrix() * pair.before_uT - carried_uT() - field;
+  return std::max(0.0, left.squaredNorm() - turned(pair, field).trace());
 }
 
 FieldFilter::Verdict FieldFilter::update(const Pair& pair) noexcept {
+  const Vec3 z = pair.before_uT - pair.R * pair.after_uT;
   const Mat3 lever = Mat3::Identity() - pair.R;  // of c
   const Mat3x12 h = design(pair, lever);
   Eigen::Map<StateVec> x(s_.x.data());
   const StateMat P = s_.P.full();
-  const Vec3 e = innovation(pair, h);
-  const Mat3 turned = this->turned(pair);
-  const Vec3 field = matrix() * pair.after_uT - carried_uT();
+  const Vec3 e = z - h * x;
+  const Vec3 field = field_of(pair);
+  const Mat3 turned = this->turned(pair, field);
   s_.white_uT2 += std::max(1.0 - kMemory, 1.0 / (s_.pairs + 1.0)) * (pair.noise_uT2 - s_.white_uT2);
   const double own = std::max(s_.misfit_uT2, s_.white_uT2);
   const Eigen::Matrix<double, kStates, 3> Ph = P * h.transpose();
@@ -108,8 +110,7 @@ FieldFilter::Verdict FieldFilter::update(const Pair& pair) noexcept {
   const double misfit = std::min(e.squaredNorm(), limit);
   const Mat3 known = h * Ph;
   if (known.trace() < kStillLearning * (S_first - known).trace()) {
-    s_.factory_error =
-        kMemory * s_.factory_error + (rejected ? misfit : (pair.before_uT - pair.R * pair.after_uT).squaredNorm());
+    s_.factory_error = kMemory * s_.factory_error + (rejected ? misfit : z.squaredNorm());
     s_.learnt_error = kMemory * s_.learnt_error + misfit;
     ++s_.compared;
   }

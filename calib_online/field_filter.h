@@ -110,8 +110,8 @@ class FieldFilter {
  private:
   using Mat3x12 = Eigen::Matrix<double, 3, kStates>;
   [[nodiscard]] static Mat3x12 design(const Pair& pair, const Mat3& lever) noexcept;
-  [[nodiscard]] Vec3 innovation(const Pair& pair, const Mat3x12& h) const noexcept;
-  [[nodiscard]] Mat3 turned(const Pair& pair) const noexcept;
+  [[nodiscard]] Vec3 field_of(const Pair& pair) const noexcept;
+  [[nodiscard]] Mat3 turned(const Pair& pair, const Vec3& field) const noexcept;
   void open_carried_field(const Vec3& change) noexcept;
   void note_misfit(const Vec3& e, const Mat3& lever, bool rejected) noexcept;
   /// Of the carried field, where it explains the misfits of lately.

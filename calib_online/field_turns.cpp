@@ -16,8 +16,6 @@ constexpr std::int64_t kTooOld_ns = 2'000'000'000;  // longer, and the body has 
 constexpr double kLeastTurn_rad = 0.35;             // of the result; less says nothing against the noise
 constexpr double kLongestPath_rad = 6.0;            // longer, and the gyro's scale error outweighs the field's
 
-bool finite(const Array3& a) noexcept { return std::isfinite(a[0]) && std::isfinite(a[1]) && std::isfinite(a[2]); }
-
 }  // namespace
 
 void FieldTurnFinder::restart() noexcept {
@@ -30,13 +28,13 @@ std::optional<FieldTurn> FieldTurnFinder::push(const RawSample& s, std::uint8_t 
                                                const CalibrationSnapshot& calibration,
                                                const Array3& mag_turn_rad) noexcept {
   const double step_s = static_cast<double>(s.t_ns - last_t_ns_) * kSecondsPerNs;
-  if (!s.holds(kGyr) || !finite(s.gyr_radps) || (clipped & (kGyr | kMag)) != 0 ||
+  if (!s.holds(kGyr) || !vec(s.gyr_radps).allFinite() || (clipped & (kGyr | kMag)) != 0 ||
       (started_ && !(step_s > 0.0 && step_s < kLongestStep_s))) {
     restart();
   }
-  if (!s.holds(kGyr) || !finite(s.gyr_radps) || (clipped & kGyr) != 0) return std::nullopt;
+  if (!s.holds(kGyr) || !vec(s.gyr_radps).allFinite() || (clipped & kGyr) != 0) return std::nullopt;
   turn(s, calibration);
-  if (s.holds(kMag) && (clipped & kMag) == 0 && finite(s.mag_uT) && s.mag_uT != last_field_uT_) {
+  if (s.holds(kMag) && (clipped & kMag) == 0 && vec(s.mag_uT).allFinite() && s.mag_uT != last_field_uT_) {
     // A reading that is held until the next one is a reading once, at the time when it was new.
     last_field_uT_ = s.mag_uT;
     if (block_.count == 0) {

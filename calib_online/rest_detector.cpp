@@ -12,7 +12,6 @@ constexpr double kDriftMemory_s = 0.1;     // of the mean that every sample sinc
 constexpr double kDriftSpreads = 2.0;      // of the spread that a window of rest may have: beyond, it is over
 constexpr double kSampleSd = 6.0;          // one sample in 1e8 by chance, an axis
 
-bool finite(const Array3& a) noexcept { return std::isfinite(a[0]) && std::isfinite(a[1]) && std::isfinite(a[2]); }
 void keep_least(double step, double& least) noexcept {
   if (least == 0.0 || step < least) least = step;
 }
@@ -68,7 +67,7 @@ void RestDetector::hold_against_rest(const RawSample& sample, double dt_s) noexc
   const double share = std::min(1.0, dt_s / kDriftMemory_s);
   bool beyond = false, drifted = false;
   for (std::size_t k = 0; k < 2; ++k) {
-    if (!measured[k] || !held_.has[k] || !finite(*reading[k])) continue;
+    if (!measured[k] || !held_.has[k] || !vec(*reading[k]).allFinite()) continue;
     const Vec3 deviation = vec(*reading[k]) - held_.mean[k];
     held_.drift[k] += share * (deviation - held_.drift[k]);
     const double sd = held_.noise_sd[k];
@@ -104,7 +103,7 @@ void RestDetector::begin_quarter(const RawSample& sample) noexcept {
 /// Trapezoid over the step.
 void RestDetector::integrate(const RawSample& sample, const CalibrationSnapshot& calibration,
                              double temp_degC) noexcept {
-  if (!sample.holds(kGyr) || !finite(sample.gyr_radps)) {
+  if (!sample.holds(kGyr) || !vec(sample.gyr_radps).allFinite()) {
     chain_.broken = chain_.broken || has_last_rate_;
     return;
   }
@@ -126,15 +125,15 @@ void RestDetector::add(const RawSample& sample, const CalibrationSnapshot& calib
   const int block = static_cast<int>(
       std::min<std::int64_t>(kBlocks - 1, (sample.t_ns - current_.t_first_ns) * kBlocks / quarter_ns_));
   const Mat3 R_ref_body = chain_.rotation.q.toRotationMatrix();
-  if (sample.holds(kAcc) && finite(sample.acc_mps2)) {
+  if (sample.holds(kAcc) && vec(sample.acc_mps2).allFinite()) {
     add(kAccIndex, sample.acc_mps2, calibration.acc, temp_degC, block, R_ref_body);
     current_.triad[kAccIndex].clipped += beyond(sample.acc_mps2, params_.acc_limit_mps2);
   }
-  if (sample.holds(kGyr) && finite(sample.gyr_radps)) {
+  if (sample.holds(kGyr) && vec(sample.gyr_radps).allFinite()) {
     add(kGyrIndex, sample.gyr_radps, calibration.gyr, temp_degC, block, Mat3::Identity());
     current_.triad[kGyrIndex].clipped += beyond(sample.gyr_radps, params_.gyr_limit_radps);
   }
-  if (sample.holds(kMag) && finite(sample.mag_uT)) {
+  if (sample.holds(kMag) && vec(sample.mag_uT).allFinite()) {
     add(kMagIndex, sample.mag_uT, calibration.mag, temp_degC, block, R_ref_body);
     current_.triad[kMagIndex].clipped += beyond(sample.mag_uT, params_.mag_limit_uT);
   }

@@ -25,6 +25,9 @@ class ShortText {
   std::size_t size_ = 0;
 };
 
+/// A source tells its counts so often at most, and a change of its link at once.
+inline constexpr std::int64_t kTellPeriod_ns = 20'000'000;
+
 enum class LinkState : std::uint8_t { kNeverThere, kThere, kGone };
 
 struct SourceReport {

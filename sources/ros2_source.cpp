@@ -18,7 +18,6 @@ namespace dds = io::dds;
 using Code = eprosima::fastrtps::types::ReturnCode_t;
 
 constexpr int kDepth = 1024;  // a second at 1 kHz
-constexpr std::int64_t kTellPeriod_ns = 20'000'000;
 
 template <class Message, class Convert>
 class Listener : public dds::DataReaderListener {

@@ -8,7 +8,6 @@ namespace stillpoint::sources {
 namespace {
 
 constexpr int kPatience_ms = 100;
-constexpr std::int64_t kTellStreamPeriod_ns = 20'000'000;
 
 }  // namespace
 
@@ -40,7 +39,7 @@ pipeline::SourceState StreamSource::next(pipeline::Arrival& out) noexcept {
       was_there_ = true;
       reopening_.works();
       if (parsed(out)) return SourceState::kSample;
-      if (arrival_ns_ - told_ns_ > kTellStreamPeriod_ns) tell(counts_.link);  // of lines that are no readings
+      if (arrival_ns_ - told_ns_ > kTellPeriod_ns) tell(counts_.link);  // of lines that are no readings
       return SourceState::kNothing;
     case ReadState::kNothing:
       tell(counts_.link);
@@ -65,7 +64,7 @@ bool StreamSource::parsed(pipeline::Arrival& out) noexcept {
     out.sample.sequence = sequence_;
     out.arrival_ns = arrival_ns_;
     ++counts_.readings;
-    if (arrival_ns_ - told_ns_ > kTellStreamPeriod_ns || counts_.link != LinkState::kThere) tell(LinkState::kThere);
+    if (arrival_ns_ - told_ns_ > kTellPeriod_ns || counts_.link != LinkState::kThere) tell(LinkState::kThere);
     return true;
   }
   return false;

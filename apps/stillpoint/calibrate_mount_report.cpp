@@ -38,8 +38,6 @@ bool says_something(const SensorMount& mount) {
   return mount.known() && (n.significant || !n.map.isIdentity(0.5));
 }
 
-Json numbers(const Vec3& v) { return array(v); }
-
 Json to_json(const SensorMount& mount) {
   Json j{{"known", mount.known()}, {"lack", mount.known() ? Json() : Json(calib::name(mount.lack))}};
   if (mount.lack == MountLack::kMirrored) {
@@ -53,11 +51,11 @@ Json to_json(const SensorMount& mount) {
   j["names"] = io::mount_names(n.map);
   j["remainder_rad"] = {{"angle", n.rest_rad.norm()},
                         {"angle_sd", n.angle_sd_rad},
-                        {"vector", numbers(n.rest_rad)},
-                        {"vector_sd", numbers(n.rest_sd_rad)},
+                        {"vector", array(n.rest_rad)},
+                        {"vector_sd", array(n.rest_sd_rad)},
                         {"significant", n.significant}};
   j["matrix"] = Json::array();
-  for (int row = 0; row < 3; ++row) j["matrix"].push_back(numbers(mount.R.row(row).transpose()));
+  for (int row = 0; row < 3; ++row) j["matrix"].push_back(array(Vec3(mount.R.row(row).transpose())));
   j["quaternion_wxyz"] = {q.w(), q.x(), q.y(), q.z()};
   j["mirror_excluded"] = mount.mirror_excluded;
   j["misfit_rad"] = mount.misfit_rad;
@@ -125,7 +123,7 @@ Json to_json(const MountRun& run) {
     j["rests"].push_back({{"recording", run.recordings[rest.recording]},
                           {"from_s", 1e-9 * static_cast<double>(rest.t_start_ns)},
                           {"to_s", 1e-9 * static_cast<double>(rest.t_end_ns)},
-                          {"acc_mps2", numbers(rest.acc_mps2)},
+                          {"acc_mps2", array(rest.acc_mps2)},
                           {"up_in_body", pose.face ? Json(face_name(*pose.face)) : Json()},
                           {"stated", pose.stated},
                           {"direction_only", pose.direction_only},

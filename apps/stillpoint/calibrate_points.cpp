@@ -20,7 +20,6 @@ Json rows(const Mat3& m) {
   for (int r = 0; r < 3; ++r) out.push_back({m(r, 0), m(r, 1), m(r, 2)});
   return out;
 }
-Json three_numbers(const Vec3& v) { return {v.x(), v.y(), v.z()}; }
 
 /// |matrix (reading - offset)| - 1 of every reading, in the order of the table; none without a result.
 std::vector<double> norm_residuals(const calib::PointsFit& fit, const std::vector<calib::Point>& points) {
@@ -37,8 +36,8 @@ Json to_json(const std::string& method, const calib::PointsFit& fit, std::size_t
   j["method"] = method;
   j["status"] = calib::name(fit.status);
   j["points"] = count;
-  j["offset"] = ok ? three_numbers(fit.offset) : Json();
-  j["radii"] = ok && fit.radii ? three_numbers(*fit.radii) : Json();
+  j["offset"] = ok ? Json(array(fit.offset)) : Json();
+  j["radii"] = ok && fit.radii ? Json(array(*fit.radii)) : Json();
   j["matrix"] = ok ? rows(fit.matrix) : Json();
   j["covariance"] = nullptr;
   if (ok && fit.covariance.size() > 0) {

@@ -126,12 +126,12 @@ std::vector<calib::FieldTurn> field_turns(const io::Recording& recording, const 
 
 /// Keeps what the daemon's order taught where it is as sure. Twice: iron that is taken out of the readings is not
 /// shortened in the means of a turning body.
-void learn_field_again(const io::Recording& recording, const calib::OnlineCalibrator& at_first,
+void learn_field_again(const io::Recording& recording, const calib::MagLearner& at_first,
                        calib::OnlineCalibrator& calibrator, CalibrationRun& run) {
   CalibrationSnapshot known = run.learnt;
-  calib::MagLearner again = at_first.field();
+  calib::MagLearner again = at_first;
   for (int round = 0; round < 2; ++round) {
-    again = calib::learn_field(at_first.field(), field_turns(recording, run, known), run.state.gyr_matrix_sd,
+    again = calib::learn_field(at_first, field_turns(recording, run, known), run.state.gyr_matrix_sd,
                                run.learnt.gyr.norm_sd);
     known.mag = again.so_far().value_or(known.mag);
   }
@@ -148,7 +148,6 @@ void learn_field_again(const io::Recording& recording, const calib::OnlineCalibr
 
 CalibrationRun calibrate(const io::Recording& recording, calib::OnlineCalibrator& calibrator,
                          calib::RestDetectorParams params) {
-  const calib::OnlineCalibrator at_first = calibrator;
   CalibrationRun run;
   run.gravity_mps2 = params.gravity_mps2 = calibrator.params().gravity_mps2;
   run.factory = calibrator.factory();
@@ -177,7 +176,6 @@ CalibrationRun calibrate(const io::Recording& recording, calib::OnlineCalibrator
   run.has_mag = !recording.mag_uT.empty();
   run.begin_ns = recording.t_ns.front();
   run.duration_s = recording.t_s(recording.size() - 1) - recording.t_s(0);
-  if (run.has_mag) learn_field_again(recording, at_first, calibrator, run);
   return run;
 }
 
@@ -279,9 +277,11 @@ int calibrate_recording(const std::string& path, const std::string& json, const 
   if (!options.state.empty())
     if (const auto learnt = read_state(options.state, sensor_id, calibrator); !learnt) return report(learnt.error());
   for (const auto& line : io::describe(recording->issues)) tell(fmt::format("{}: {}", path, line));
+  const calib::MagLearner field_at_first = calibrator.field();
   auto calibrated = calibrate(*recording, calibrator, config.rest, options);
   if (!calibrated) return report({calibrated.error().kind, path + ": " + calibrated.error().message});
   CalibrationRun& run = *calibrated;
+  if (run.has_mag && !recording->gyr_radps.empty()) learn_field_again(*recording, field_at_first, calibrator, run);
   for (const std::string& line : remarks(run.known_turns)) tell(fmt::format("{}: {}", path, line));
   run.gravity_stated = gravity_mps2.has_value() || !options.config.empty();
   Result<void> written;
