@@ -58,18 +58,30 @@ void add_axis(const Problem& of, int axis, Eigen::Index block, std::vector<Equat
   }
 }
 
+/// What every block says, and all of them with the prior.
+struct OfBlocks {
+  std::vector<Equations> each;
+  Equations all;
+  double variance = 1.0;  ///< of a whitened reading, as the best coefficients leave it, but at least 1
+};
+
+OfBlocks equations_of(const Problem& of, Eigen::Index block) {
+  const auto blocks = static_cast<std::size_t>((of.layout.n + block - 1) / block);
+  OfBlocks out{std::vector<Equations>(blocks, Equations(of.plain())), Equations(of.plain())};
+  for (int axis = 0; axis < 3; ++axis) add_axis(of, axis, block, out.each);
+  for (const Equations& own : out.each) out.all.add(own, 1.0);
+  out.all.gram.diagonal() += (kFree * out.all.gram.diagonal().array() + 1e-280).matrix();
+  const double misfit = out.all.square - out.all.score.dot(told_by(out.all, 1.0).coefficients);
+  out.variance = std::max(1.0, misfit / std::max(out.all.counted, 1.0));
+  return out;
+}
+
 }  // namespace
 
 LeftOut blocks_left_out(const Target& t, const Columns& columns, const NoiseModel& noise, Eigen::Index block) {
-  const Eigen::Index blocks = (t.layout.n + block - 1) / block;
   const Problem of{t, t.layout, columns, noise, false};
-  std::vector<Equations> of_block(static_cast<std::size_t>(blocks), Equations(of.plain()));
-  for (int axis = 0; axis < 3; ++axis) add_axis(of, axis, block, of_block);
-  Equations all(of.plain());
-  for (const Equations& own : of_block) all.add(own, 1.0);
-  all.gram.diagonal() += (kFree * all.gram.diagonal().array() + 1e-280).matrix();
-  const double misfit = all.square - all.score.dot(told_by(all, 1.0).coefficients);
-  const double variance = std::max(1.0, misfit / std::max(all.counted, 1.0));
+  const auto [of_block, all, variance] = equations_of(of, block);
+  const auto blocks = static_cast<Eigen::Index>(of_block.size());
   const double whole = told_by(all, variance).evidence_nats;
   LeftOut out{Eigen::VectorXd(blocks), Series3(t.layout.n, 3)};
   for (Eigen::Index b = 0; b < blocks; ++b) {
@@ -79,6 +91,26 @@ LeftOut blocks_left_out(const Target& t, const Columns& columns, const NoiseMode
     out.nats[b] = whole - by_others.evidence_nats;
     const Eigen::Index begin = b * block, length = std::min(block, t.layout.n - begin);
     out.residual.middleRows(begin, length) = leftover_of(of, by_others.coefficients, begin, length);
+  }
+  return out;
+}
+
+Eigen::VectorXd excess_of_others(const Target& t, const Columns& columns, const NoiseModel& noise, Eigen::Index block,
+                                 const std::vector<int>& fold_of_block) {
+  const Problem of{t, t.layout, columns, noise, false};
+  const auto [of_block, all, variance] = equations_of(of, block);
+  std::vector<Equations> of_fold(1 + *std::max_element(fold_of_block.begin(), fold_of_block.end()),
+                                 Equations(of.plain()));
+  for (std::size_t b = 0; b < of_block.size(); ++b) of_fold[fold_of_block[b]].add(of_block[b], 1.0);
+  const Eigen::VectorXd scale = all.gram.diagonal().cwiseSqrt().cwiseInverse();
+  const auto trace = [&](const Eigen::MatrixXd& told, const Eigen::MatrixXd& by) {
+    const Eigen::LDLT<Eigen::MatrixXd> solver(scale.asDiagonal() * by * scale.asDiagonal());
+    return solver.solve(scale.asDiagonal() * told * scale.asDiagonal()).trace();
+  };
+  Eigen::VectorXd out(static_cast<Eigen::Index>(of_fold.size()));
+  for (Eigen::Index f = 0; f < out.size(); ++f) {
+    const Eigen::MatrixXd& own = of_fold[static_cast<std::size_t>(f)].gram;
+    out[f] = variance * (trace(own, all.gram - own) + trace(own, all.gram));
   }
   return out;
 }

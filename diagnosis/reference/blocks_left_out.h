@@ -14,4 +14,10 @@ struct LeftOut {
 [[nodiscard]] LeftOut blocks_left_out(const Target& t, const Columns& columns, const NoiseModel& noise,
                                       Eigen::Index block);
 
+/// Per fold: how much greater the sum of its squared whitened deviations is to be expected with the coefficients of the
+/// other folds than with those of the whole recording, where the model is true: sum of x' (C_others + C_all) x over its
+/// rows. `fold_of_block`: for every block of so many rows.
+[[nodiscard]] Eigen::VectorXd excess_of_others(const Target& t, const Columns& columns, const NoiseModel& noise,
+                                               Eigen::Index block, const std::vector<int>& fold_of_block);
+
 }  // namespace stillpoint::diag

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "diagnosis/reference/evidence.h"
+#include "diagnosis/reference/jitter.h"
 #include "diagnosis/reference/sensors_at_once.h"
 #include "diagnosis/reference/settled_matrices.h"
 #include "diagnosis/reference/steadiness.h"
@@ -15,6 +16,7 @@ namespace {
 
 constexpr int kMostEffects = 3;    // of one sensor
 constexpr int kMostSettlings = 2;  // of the matrices: the first is of a law that was fitted through the wrong ones
+constexpr int kMostTimings = 2;    // of the rows, where their times deviate: the first is of laws that were too small
 constexpr double kClearNats = 3.0;
 
 bool concerns_the_clock(const Found& f) {
@@ -102,8 +104,8 @@ struct Late {
 };
 
 /// Where sensors were found late by the same time, but before what else they show was found, and no other denies it, it
-/// is the clock. No sensor tells what has yet to come: one that is early, alone, stands beside a reference that is
-/// late.
+/// is the clock. No sensor tells what has yet to come: one that is early stands beside a reference that is late, and
+/// those that are later than it have so much of their own.
 void join_delays(const Signals& s, EngineResult& r) {
   constexpr double kSame = 3.0;  // deviations
   std::vector<Late> all;
@@ -119,13 +121,17 @@ void join_delays(const Signals& s, EngineResult& r) {
     const Eigen::Index column = first_column(*search, *at);
     all.push_back({search->sensor, *at, finished.values[column], finished.sd[column]});
   }
-  if (all.empty() || (all.size() == 1 && all.front().tau_s > 0.0)) return;
-  std::sort(all.begin(), all.end(), [](const Late& a, const Late& b) { return a.sd_s < b.sd_s; });
-  const Late& lead = all.front();
-  const auto disagrees = [&lead](const Late& l) {
-    return std::abs(l.tau_s - lead.tau_s) > kSame * std::hypot(l.sd_s, lead.sd_s);
+  if (all.empty()) return;
+  const auto earlier = [](const Late& a, const Late& b) { return a.tau_s < b.tau_s; };
+  const Late earliest = *std::min_element(all.begin(), all.end(), earlier);
+  const auto agrees = [](const Late& a, const Late& b) {
+    return std::abs(a.tau_s - b.tau_s) <= kSame * std::hypot(a.sd_s, b.sd_s);
   };
-  if (std::any_of(all.begin() + 1, all.end(), disagrees)) return;
+  const auto own = std::stable_partition(all.begin(), all.end(), [&](const Late& l) { return agrees(l, earliest); });
+  const bool alone = own - all.begin() == 1;
+  if (earliest.tau_s > 0.0 && (alone || own != all.end())) return;
+  std::sort(all.begin(), own, [](const Late& a, const Late& b) { return a.sd_s < b.sd_s; });
+  const Late lead = all.front();
   Found& f = r.sensor[lead.sensor]->found[lead.at];
   std::vector<std::pair<SensorSearch*, Series3>> unseen;
   for (SensorSearch* other : others) {
@@ -142,7 +148,7 @@ void join_delays(const Signals& s, EngineResult& r) {
   for (auto l = all.begin() + 1; l != all.end(); ++l) {
     SensorSearch& other = *r.sensor[l->sensor];
     sensors.push_back(l->sensor);
-    take_out(other, l->at);
+    if (l < own) take_out(other, l->at);
     if (const auto offset = same_offset(s, l->sensor, f)) other.target.residual -= *offset;
   }
   f.id = "sys_offset";
@@ -204,14 +210,16 @@ void one_round(const Signals& s, Search& search) {
 EngineResult search_all(Signals& s, const std::vector<std::string>& without,
                         const std::function<void(double)>& progress) {
   Search search = begin(s, without);
-  int round = 0, settled = 0;
+  int round = 0, settled = 0, timed = 0;
   double done = 0.0;  // what begins anew is not done again
   while (round < kMostEffects) {
     if (progress) progress(done = std::max(done, static_cast<double>(round) / kMostEffects));
     one_round(s, search);
     ++round;
-    if (settled == kMostSettlings || !settle_matrices(s, search.result)) continue;
-    ++settled;
+    const bool settles = settled < kMostSettlings && settle_matrices(s, search.result);
+    const bool times = !settles && round == kMostEffects && timed < kMostTimings && time_rows_again(s, search.result);
+    if (!settles && !times) continue;
+    settled += settles, timed += times;
     search = begin(s, without);
     round = 0;
   }

@@ -19,6 +19,7 @@
 #include "diagnosis/reference/lines.h"
 #include "diagnosis/reference/nameless.h"
 #include "diagnosis/reference/remainder.h"
+#include "diagnosis/reference/row_lateness.h"
 #include "diagnosis/reference/steadiness.h"
 #include "diagnosis/reference/unrecorded.h"
 #include "diagnosis/reference/wandering_reference.h"
@@ -88,6 +89,14 @@ bool shows_nowhere(const SensorSearch& search, std::size_t index, const Finished
          (finished.values.segment(first, count).array().abs() < 3.0 * finished.sd.segment(first, count).array()).all();
 }
 
+/// A delay of less than the mean that rows have which are taken at random times.
+bool is_the_jitters_mean(const Signals& s, const SensorSearch& search, std::size_t index, const Finished& finished) {
+  const Found& f = search.found[index];
+  return s.jitter_sd_s > 0.0 && (f.id.ends_with("_delay") || f.id == "sys_offset") && !f.window.local &&
+         std::abs(finished.values[first_column(search, index)]) <
+             most_of_a_mean_s(s.jitter_sd_s, search.target.layout.used());
+}
+
 /// Why a law that was found is not stated, in words; empty: it is, with what it does on motion left out of its fit.
 std::string why_not(const Signals& s, const SensorSearch& search, std::size_t index, const Finished& finished,
                     HeldOut& held_out) {
@@ -96,6 +105,7 @@ std::string why_not(const Signals& s, const SensorSearch& search, std::size_t in
   if (f.kind == Kind::kConfiguration) return "";
   if (shows_nowhere(search, index, finished))
     return "beside what else was found, none of its numbers is known from zero";
+  if (is_the_jitters_mean(s, search, index, finished)) return "so many deviations in time have a mean as large";
   if (const double chance = chance_of(search, f); chance > kByChance)
     return fmt::format("of as many hypotheses one fits as well by chance, once in {:.0f} recordings", 1.0 / chance);
   held_out = held_out_by_regime(search, {index});

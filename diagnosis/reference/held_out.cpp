@@ -5,28 +5,18 @@
 
 #include "diagnosis/reference/blocks_left_out.h"
 #include "diagnosis/reference/evidence.h"
+#include "diagnosis/reference/folds.h"
 
 namespace stillpoint::diag {
 namespace {
 
-constexpr double kFold_s = 4.0;  // blocks beside each other, every second one left out
 constexpr double kAstray = 1.5;  // times what the whole leaves
 constexpr int kFolds = 8;        // where halves go astray
 // What acts for a while, but for so long and so strongly, in so many pieces, one left out: half of it may not show all
 // coefficients.
 constexpr double kLongWindow_s = 8.0, kStrong_nats = 100.0;
 constexpr int kPiecesOfAWindow = 3;
-constexpr double kRegime_s = 1.0;  // a motion, a pose
-constexpr int kRegimes = 4, kRounds = 20;
-constexpr double kLeastRegime = 0.08;  // of the blocks; fewer are no test
-
-/// Which fold a row is left out in.
-struct Folds {
-  std::vector<int> of_row;
-  int count = 2;
-  Eigen::Index block = 1;
-  bool of_regimes = false;
-};
+constexpr double kMostCost = 0.5;  // of what is removable: kinds of motion that the others tell less of are no test
 
 double rms_over(const Series3& x, const Eigen::ArrayXd& counts) {
   double sum = 0.0;
@@ -52,88 +42,6 @@ Series3 left_by(const Target& full, const Columns& columns, const NoiseModel& no
   Target part = full;
   part.layout.counts = train;
   return fit_with(part, columns, noise, {}).leftover;
-}
-
-Folds beside_each_other(const Target& t, double block_s = kFold_s, int count = 2) {
-  Folds f;
-  f.count = count;
-  f.block = std::max<Eigen::Index>(1, std::lround(block_s / t.rows.step_s));
-  for (Eigen::Index i = 0; i < t.layout.n; ++i) f.of_row.push_back(static_cast<int>((i / f.block) % count));
-  return f;
-}
-
-/// A row a block: mean and scatter of the measured vector, what the effects do and how much, each over its spread.
-Eigen::MatrixXd looks_of(const Target& t, const Columns& columns, Eigen::Index block) {
-  const Eigen::Index blocks = (t.layout.n + block - 1) / block;
-  Eigen::MatrixXd driven = Eigen::MatrixXd::Zero(t.layout.n, 1);
-  for (const Column& c : columns) driven.col(0) += c.x.rowwise().norm() / std::max(c.x.norm(), 1e-300);
-  Eigen::MatrixXd look(blocks, 5);
-  for (Eigen::Index b = 0; b < blocks; ++b) {
-    const Eigen::Index begin = b * block, length = std::min(block, t.layout.n - begin);
-    const Eigen::MatrixXd v = t.nuisance.middleRows(begin, length).rightCols(3);
-    const Eigen::RowVectorXd mean = v.colwise().mean();
-    look.row(b) << mean, (v.rowwise() - mean).norm() / std::sqrt(static_cast<double>(length)),
-        driven.middleRows(begin, length).mean();
-  }
-  for (Eigen::Index c = 0; c < look.cols(); ++c) {
-    look.col(c).array() -= look.col(c).mean();
-    look.col(c) /= std::max(look.col(c).norm(), 1e-300);
-  }
-  return look;
-}
-
-/// Regimes by k-means from the farthest points; the same input gives the same ones. Empty where one holds nearly all.
-std::vector<int> regimes_of(const Eigen::MatrixXd& look) {
-  Eigen::MatrixXd centre = look.topRows(1);
-  const auto distance = [&](Eigen::Index b) { return (centre.rowwise() - look.row(b)).rowwise().squaredNorm().eval(); };
-  while (centre.rows() < kRegimes) {
-    Eigen::Index farthest = 0;
-    double most = -1.0;
-    for (Eigen::Index b = 0; b < look.rows(); ++b)
-      if (const double d = distance(b).minCoeff(); d > most) most = d, farthest = b;
-    centre.conservativeResize(centre.rows() + 1, Eigen::NoChange);
-    centre.bottomRows(1) = look.row(farthest);
-  }
-  std::vector<int> of_block(static_cast<std::size_t>(look.rows()), 0);
-  Eigen::VectorXd size;
-  for (int round = 0; round < kRounds; ++round) {
-    Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(kRegimes, look.cols());
-    size = Eigen::VectorXd::Zero(kRegimes);
-    for (Eigen::Index b = 0; b < look.rows(); ++b) {
-      int& regime = of_block[static_cast<std::size_t>(b)];
-      distance(b).minCoeff(&regime);
-      sum.row(regime) += look.row(b), size[regime] += 1.0;
-    }
-    for (Eigen::Index k = 0; k < kRegimes; ++k)
-      if (size[k] > 0) centre.row(k) = sum.row(k) / size[k];
-  }
-  if ((size.array() > kLeastRegime * static_cast<double>(look.rows())).count() < 2) return {};
-  return of_block;
-}
-
-/// A regime of more than half of the blocks in two folds, of pieces beside each other: the rest alone, a few seconds of
-/// motion, would have to tell what the whole recording reads at rest.
-void split_the_largest(std::vector<int>& of_block) {
-  const auto piece = static_cast<std::size_t>(kFold_s / kRegime_s);
-  for (int regime = 0; regime < kRegimes; ++regime) {
-    if (2 * std::count(of_block.begin(), of_block.end(), regime) <= std::ssize(of_block)) continue;
-    for (std::size_t b = 0; b < of_block.size(); ++b)
-      if (of_block[b] == regime && (b / piece) % 2 == 1) of_block[b] = kRegimes;
-  }
-}
-
-/// Kinds of motion rather than pieces of it: what goes along with the true driver in one motion still does so half a
-/// second later, in another it need not.
-Folds by_regime(const Target& t, const Columns& columns) {
-  Folds f;
-  f.block = std::max<Eigen::Index>(1, std::lround(kRegime_s / t.rows.step_s));
-  std::vector<int> of_block = regimes_of(looks_of(t, columns, f.block));
-  if (of_block.empty()) return f;
-  f.of_regimes = true;
-  split_the_largest(of_block);
-  f.count = 1 + *std::max_element(of_block.begin(), of_block.end());
-  for (Eigen::Index i = 0; i < t.layout.n; ++i) f.of_row.push_back(of_block[static_cast<std::size_t>(i / f.block)]);
-  return f;
 }
 
 /// Pieces of the shortest window, for what acts for a while; else kinds of motion where there are several.
@@ -184,8 +92,28 @@ Judged judge_on(const SensorSearch& search, const std::vector<std::size_t>& effe
   return out;
 }
 
+/// A product may be one term of several, and what it leaves is not the cost of its coefficients.
+bool claims_to_be_the_cause(const SensorSearch& search, const std::vector<std::size_t>& effects) {
+  return std::none_of(effects.begin(), effects.end(), [&](std::size_t e) { return is_unknown(search.found[e].id); });
+}
+
+/// A row: what is left by the coefficients of other folds beyond what the best ones leave, where the model is true.
+Series cost_of_others(const Target& t, const Columns& columns, const NoiseModel& noise, const Folds& folds) {
+  const Eigen::VectorXd excess = excess_of_others(t, columns, noise, folds.block, fold_of_blocks(folds));
+  Eigen::VectorXd rows = Eigen::VectorXd::Zero(excess.size());
+  for (const int fold : folds.of_row) rows[fold] += 1.0;
+  Series out(t.layout.n);
+  for (Eigen::Index i = 0; i < out.size(); ++i) {
+    const int fold = folds.of_row[static_cast<std::size_t>(i)];
+    out[i] = excess[fold] / rows[fold];
+  }
+  return out;
+}
+
 /// Share of the removable power, whitened, that is gone; its interval from the scatter of blocks about the share.
-void share_of(const Judged& j, const Series& floor, Eigen::Index block, HeldOut& out) {
+/// `cost`: what coefficients of other folds leave beyond the floor where the model is true; nothing removes that.
+void share_of(const Judged& j, Series floor, const Series& cost, Eigen::Index block, HeldOut& out) {
+  if (cost.sum() > 0.0) floor += std::clamp((j.square_after - floor).sum() / cost.sum(), 0.0, 1.0) * cost;
   const double removed = (j.square_before - j.square_after).sum(), removable = (j.square_before - floor).sum();
   if (!(removable > 0)) return;
   out.removable_share_removed = removed / removable;
@@ -198,7 +126,7 @@ void share_of(const Judged& j, const Series& floor, Eigen::Index block, HeldOut&
     scatter += off * off, blocks += 1.0;
   }
   const double half = 1.96 * std::sqrt(scatter * blocks / std::max(blocks - 1.0, 1.0)) / removable;
-  out.share_ci95 = {out.removable_share_removed - half, out.removable_share_removed + half};
+  out.share_ci95 = {out.removable_share_removed - half, std::min(out.removable_share_removed + half, 1.0)};
 }
 
 /// Whether half of the blocks do not tell what the sensor reads without the effects: the half of a dozen turns from
@@ -271,11 +199,21 @@ HeldOut held_out_by_regime(const SensorSearch& search, const std::vector<std::si
   for (const std::size_t e : effects) own = joined(std::move(own), search.found[e].columns);
   Folds folds = folds_for(search, effects, own);
   if (folds.count == 2 && !folds.of_regimes && !blocks.of_halves) folds = beside_each_other(t, kFold_s, kFolds);
-  out.on = folds.of_regimes ? "regimes"
-                            : fmt::format("blocks of {:.2g} s", static_cast<double>(folds.block) * t.rows.step_s);
   Series floor = Series::Zero(t.layout.n);
   for (int axis = 0; axis < 3; ++axis) floor += noise.whiten(t.layout, best.col(axis), axis).cwiseAbs2();
-  share_of(judge_on(search, effects, noise, folds), floor, folds.block, out);
+  Series cost = Series::Zero(t.layout.n);
+  Judged judged = judge_on(search, effects, noise, folds);
+  if (claims_to_be_the_cause(search, effects)) {
+    cost = cost_of_others(t, all, noise, folds);
+    if (folds.of_regimes && cost.sum() > kMostCost * (judged.square_before - floor).sum()) {
+      folds = beside_each_other(t);
+      judged = judge_on(search, effects, noise, folds);
+      cost = cost_of_others(t, all, noise, folds);
+    }
+  }
+  out.on = folds.of_regimes ? "regimes"
+                            : fmt::format("blocks of {:.2g} s", static_cast<double>(folds.block) * t.rows.step_s);
+  share_of(judged, floor, cost, folds.block, out);
   return out;
 }
 
@@ -289,7 +227,7 @@ bool is_judged(const HeldOut& h) { return h.share_ci95[1] > h.share_ci95[0]; }
 bool is_unsure(const HeldOut& h) { return is_judged(h) && h.share_ci95[0] < 0.5; }
 
 bool fails_elsewhere(const HeldOut& h, const std::string& id) {
-  constexpr double kOfACause = 0.65, kTellsIt_nats = 40.0;  // of less the noise leaves as little
+  constexpr double kOfACause = 0.75, kTellsIt_nats = 20.0;  // of less the noise leaves as little
   const bool no_cause = !is_unknown(id) && h.gain_nats > kTellsIt_nats && h.removable_share_removed < kOfACause;
   return is_judged(h) && (h.share_ci95[1] < 0.5 || no_cause);
 }

@@ -1,13 +1,12 @@
-#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 
 #include "diagnosis/certainty.h"
 #include "diagnosis/finding_effect.h"
 #include "diagnosis/reference/apparatus.h"
-#include "diagnosis/reference/columns.h"
 #include "diagnosis/reference/evidence.h"
-#include "diagnosis/reference/rest.h"
+#include "diagnosis/reference/jitter.h"
+#include "diagnosis/reference/row_lateness.h"
 
 namespace stillpoint::diag {
 namespace {
@@ -16,81 +15,13 @@ constexpr double kLeastNats = 30.0;       // more than the least a law needs: it
 constexpr double kWitness = 3.0;          // nats with which a sensor says so itself
 constexpr double kContradiction = -5.0;   // nats of one sensor that speak against the others
 constexpr double kLeastOfExpected = 0.3;  // of the gain that a common clock would give: less is one sensor's own noise
-constexpr double kLeastSlope = 0.5;       // of a millisecond's change over the noise: slower rows say nothing
-constexpr double kAcross_s = 1.0;         // noise across the derivative is averaged over twice this
-constexpr double kWhite = 0.3;            // correlation of neighbours: a delay or a lost sample lasts
+constexpr double kTellsMemory_nats = 10.0;  // of less the correlation is chance
+constexpr double kWhite = 0.3;              // correlation of neighbours: a delay or a lost sample lasts
 constexpr double kSlowest_s = 1e-6, kFastest_s = 2e-2;
 constexpr int kGrid = 80;
+constexpr int kFits = 4;  // of laws and times, by turns: each leaves a third of a law's error or less
 
-/// One sensor's rows in motion, in units of its noise.
-struct Rows {
-  Sensor sensor = kAcc;
-  std::vector<Eigen::Index> at;
-  std::vector<double> along, slope, noise;  ///< residual along the derivative; size of the derivative per s; variance
-};
-
-/// The residual without what a bias, a matrix, a delay and smooth curves explain.
-Series3 rough(const Signals& s, Sensor k, const Series3& slope) {
-  const WalkBasis walk = walk_basis(s);
-  const Eigen::Index terms = std::min<Eigen::Index>(walk->cols(), 16);
-  const Series3& v = s.vector[k];
-  Eigen::MatrixXd design(s.n, 10 + terms);
-  design << Eigen::VectorXd::Ones(s.n), v, slope, v.cwiseAbs2(), walk->leftCols(terms);
-  Series3 y = s.residual[k];
-  for (Eigen::Index i = 0; i < s.n; ++i)
-    if (s.muted[k][static_cast<std::size_t>(i)]) design.row(i).setZero(), y.row(i).setZero();
-  const Eigen::VectorXd scale = design.colwise().norm().cwiseMax(1e-12);
-  design = design * scale.cwiseInverse().asDiagonal();
-  return y - design * design.colPivHouseholderQr().solve(Eigen::MatrixXd(y));
-}
-
-/// Variance of each axis in the slower half of its rows, where jitter adds least: axes need not be equally noisy.
-Vec3 quiet_variance(const Series3& left, const Series3& slope, const Mask& muted) {
-  Vec3 out = Vec3::Zero();
-  for (int axis = 0; axis < 3; ++axis) {
-    std::vector<std::pair<double, double>> rows;  // size of the derivative, square of the residual
-    for (Eigen::Index i = 0; i < left.rows(); ++i)
-      if (!muted[static_cast<std::size_t>(i)]) rows.emplace_back(std::abs(slope(i, axis)), std::pow(left(i, axis), 2));
-    const auto half = static_cast<std::ptrdiff_t>(rows.size() / 2);
-    if (half == 0) continue;
-    std::nth_element(rows.begin(), rows.begin() + half, rows.end());
-    for (auto row = rows.begin(); row != rows.begin() + half; ++row)
-      out[axis] += row->second / static_cast<double>(half);
-  }
-  return out;
-}
-
-Rows rows_of(const Signals& s, Sensor k) {
-  Rows rows;
-  rows.sensor = k;
-  const Series3 slope = at_rest_zero(s, derivative(s.vector[k], s.rows));
-  const Series3 left = rough(s, k, slope);
-  const Vec3 quiet2 = quiet_variance(left, slope, s.muted[k]);
-  Series across = Series::Zero(s.n), counted = across, along = across, quiet_along = across;
-  for (Eigen::Index i = 0; i < s.n; ++i) {
-    const Vec3 d = slope.row(i), v = s.vector[k].row(i), r = left.row(i);
-    if (s.muted[k][static_cast<std::size_t>(i)] || 1e-3 * d.norm() < 1e-2 * kLeastSlope * s.noise_sd[k]) continue;
-    // Errors of the orientation turn the vector: they are alike along the derivative and across both.
-    const Vec3 n = v.cross(d);
-    if (!(n.norm() > 1e-9)) continue;
-    const double quiet_across = n.cwiseAbs2().dot(quiet2);
-    if (!(quiet_across > 0.0)) continue;
-    across[i] = std::pow(r.dot(n), 2) / quiet_across, along[i] = r.dot(d) / d.norm(), counted[i] = 1.0;
-    quiet_along[i] = d.cwiseAbs2().dot(quiet2) / d.squaredNorm();
-  }
-  const auto half = static_cast<Eigen::Index>(kAcross_s / s.dt_s);
-  const Series mean = moving_mean(across, half).cwiseQuotient(moving_mean(counted, half).cwiseMax(1e-9));
-  for (Eigen::Index i = 0; i < s.n; ++i) {
-    if (counted[i] == 0.0 || !(mean[i] * quiet_along[i] > 0.0)) continue;
-    rows.at.push_back(i);
-    rows.along.push_back(along[i]);
-    rows.slope.push_back(slope.row(i).norm());
-    rows.noise.push_back(mean[i] * quiet_along[i]);
-  }
-  return rows;
-}
-
-double gain_of(const Rows& rows, double sd_s) {
+double gain_of(const TimedRows& rows, double sd_s) {
   double sum = 0.0;
   for (std::size_t i = 0; i < rows.at.size(); ++i) {
     const double v = rows.noise[i], w = v + std::pow(sd_s * rows.slope[i], 2), y2 = rows.along[i] * rows.along[i];
@@ -100,7 +31,7 @@ double gain_of(const Rows& rows, double sd_s) {
 }
 
 /// What a jitter of this size would gain in these rows.
-double expected_gain(const Rows& rows, double sd_s) {
+double expected_gain(const TimedRows& rows, double sd_s) {
   double sum = 0.0;
   for (std::size_t i = 0; i < rows.at.size(); ++i) {
     const double ratio = 1.0 + std::pow(sd_s * rows.slope[i], 2) / rows.noise[i];
@@ -110,7 +41,7 @@ double expected_gain(const Rows& rows, double sd_s) {
 }
 
 /// Covariance of neighbours over the variance that jitter adds.
-double memory_of(const Rows& rows) {
+double memory_of(const TimedRows& rows) {
   double pairs = 0.0, excess = 0.0;
   for (std::size_t i = 0; i < rows.at.size(); ++i) {
     const double weight = 1.0 / rows.noise[i], y = rows.along[i];
@@ -124,13 +55,13 @@ struct Jitter {
   double sd_s = 0.0, half_s = 0.0, gain_nats = 0.0;
 };
 
-double total(const std::vector<Rows>& sensors, double sd_s) {
+double total(const std::vector<TimedRows>& sensors, double sd_s) {
   double sum = 0.0;
-  for (const Rows& r : sensors) sum += gain_of(r, sd_s);
+  for (const TimedRows& r : sensors) sum += gain_of(r, sd_s);
   return sum;
 }
 
-Jitter most_likely(const std::vector<Rows>& sensors) {
+Jitter most_likely(const std::vector<TimedRows>& sensors) {
   Jitter best;
   const double step = std::log(kFastest_s / kSlowest_s) / kGrid;
   for (int i = 0; i <= kGrid; ++i)
@@ -147,24 +78,7 @@ Jitter most_likely(const std::vector<Rows>& sensors) {
   return best;
 }
 
-/// The time of each row, as all channels tell it together, and its prior spread; what it explains is taken out.
-void set_right(Signals& s, const std::vector<Rows>& sensors, double sd_s) {
-  Series information = Series::Constant(s.n, 1.0 / (sd_s * sd_s)), evidence = Series::Zero(s.n);
-  for (const Rows& r : sensors)
-    for (std::size_t i = 0; i < r.at.size(); ++i) {
-      information[r.at[i]] += r.slope[i] * r.slope[i] / r.noise[i];
-      evidence[r.at[i]] += r.slope[i] * r.along[i] / r.noise[i];
-    }
-  const Series late_s = evidence.cwiseQuotient(information);
-  for (const Rows& r : sensors) {
-    const Series3& v = s.vector[r.sensor];
-    const Series3 bend = 0.5 * at_rest_zero(s, second_derivative(v, s.rows));
-    s.residual[r.sensor] -=
-        late_s.asDiagonal() * at_rest_zero(s, derivative(v, s.rows)) + late_s.cwiseAbs2().asDiagonal() * bend;
-  }
-}
-
-Finding finding_of(const Signals& s, const std::vector<Rows>& sensors, const Jitter& jitter) {
+Finding finding_of(const Signals& s, const std::vector<TimedRows>& sensors, const Jitter& jitter) {
   Finding f;
   f.effect = "sys_jitter";
   f.equation = "u(t) = true(t + d), d white";
@@ -172,7 +86,7 @@ Finding finding_of(const Signals& s, const std::vector<Rows>& sensors, const Jit
   f.regime = "in motion, at random from row to row; the faster, the more";
   f.interval_s = {0.0, s.duration_s()};
   double largest = 0.0;
-  for (const Rows& r : sensors) {
+  for (const TimedRows& r : sensors) {
     const double gain = gain_of(r, jitter.sd_s);
     if (gain > 3.0)
       for (const char* axis : kAxisName) f.channels.push_back(std::string(kSensorName[r.sensor]) + "_" + axis);
@@ -195,35 +109,71 @@ Finding finding_of(const Signals& s, const std::vector<Rows>& sensors, const Jit
   return f;
 }
 
+/// Takes what the rows are late, by these sensors, out of all residuals, in the place of what was taken out before.
+void set_right(Signals& s, const std::vector<TimedRows>& sensors, const std::array<Series3, kSensors>& y) {
+  Series late_s = lateness_of(s, sensors, y, s.jitter_sd_s);
+  for (const Sensor k : {kAcc, kGyr, kMag}) {
+    if (!s.present[k] || s.residual[k].rows() == 0) continue;
+    if (s.late_s.size() > 0) s.residual[k] += effect_of_lateness(s, k, s.late_s);
+    s.residual[k] -= effect_of_lateness(s, k, late_s);
+  }
+  s.late_s = std::move(late_s);
+}
+
 }  // namespace
 
 void find_jitter(Signals& s, const sim::SimulationConfig& given, Answer& answer) {
-  std::vector<Rows> sensors;
+  std::vector<TimedRows> sensors;
   for (const Sensor k : {kAcc, kGyr, kMag})
     if (s.present[k] && s.residual[k].rows() > 0 && s.n > 200)
-      if (Rows r = rows_of(s, k); r.at.size() > 200) sensors.push_back(std::move(r));
-  const Jitter jitter = most_likely(sensors);
+      if (TimedRows r = rows_of(s, k, s.residual[k], 0.0); r.at.size() > 200) sensors.push_back(std::move(r));
+  Jitter jitter = most_likely(sensors);
+  if (jitter.gain_nats < kLeastNats) return;
+  for (TimedRows& r : sensors) r = rows_of(s, r.sensor, s.residual[r.sensor], jitter.sd_s);
+  jitter = most_likely(sensors);
   // The field of a place may jump by itself: the magnetometer alone is no witness of the clock.
   double witnessed = 0.0;
   int inertial = 0, witnesses = 0;
-  for (const Rows& r : sensors) {
+  for (const TimedRows& r : sensors) {
     if (r.sensor == kMag) continue;
     const double gain = gain_of(r, jitter.sd_s);
     witnessed += gain, ++inertial, witnesses += gain > kWitness;
   }
   // One sensor's noise may grow with its motion by itself.
   if (witnessed < kLeastNats || witnesses < inertial) return;
-  for (const Rows& r : sensors) {
+  for (const TimedRows& r : sensors) {
     const double gain = gain_of(r, jitter.sd_s);
     // One clock for all; a magnetometer often has one of its own.
     const double due = r.sensor == kMag ? 0.0 : kLeastOfExpected * expected_gain(r, jitter.sd_s);
-    if (gain < kContradiction + due || (gain > 3.0 && std::abs(memory_of(r)) > kWhite)) return;
+    if (gain < kContradiction + due || (gain > kTellsMemory_nats && std::abs(memory_of(r)) > kWhite)) return;
   }
   if (!contains(given.effects, "sys_jitter")) {
     answer.diagnosis.findings.push_back(finding_of(s, sensors, jitter));
     answer.effects.push_back({.id = "sys_jitter", .parameters = {{"sd_s", {jitter.sd_s}}}, .axes = {}, .window_s = {}});
   }
-  set_right(s, sensors, jitter.sd_s);
+  s.jitter_sd_s = jitter.sd_s;
+  set_right(s, sensors, s.residual);
+}
+
+bool time_rows_again(Signals& s, const EngineResult& found) {
+  if (s.late_s.size() == 0) return false;
+  bool any = !found.system.empty();
+  for (const auto& search : found.sensor) any = any || (search && !search->found.empty());
+  if (!any) return false;
+  const std::array<Series3, kSensors> searched = s.residual;
+  for (int fit = 0; fit < kFits; ++fit) {
+    std::vector<TimedRows> sensors;
+    std::array<Series3, kSensors> y;
+    for (const Sensor k : {kAcc, kGyr, kMag}) {
+      if (!found.sensor[k]) continue;
+      Target t = found.sensor[k]->target;
+      t.residual += s.residual[k] - searched[k];
+      y[k] = fit_profile(t, found.sensor[k]->explained()).leftover + effect_of_lateness(s, k, s.late_s);
+      if (TimedRows r = rows_of(s, k, y[k], s.jitter_sd_s); r.at.size() > 200) sensors.push_back(std::move(r));
+    }
+    set_right(s, sensors, y);
+  }
+  return true;
 }
 
 }  // namespace stillpoint::diag

@@ -90,7 +90,23 @@ bool moves_the_others(const SensorSearch& search, const Fit& before, const Fit& 
   });
 }
 
+bool is_of_a_filters_form(const SensorSearch& search, const Found& law) {
+  constexpr double kForm = 0.005;
+  Series3 filters = Series3::Zero(search.target.layout.n, 3);
+  for (const Found& f : search.found)
+    if (f.id.ends_with("_lpf") || f.id.ends_with("_resonance")) filters += f.offset;
+  if (filters.isZero(0.0)) return false;
+  const Series3 own = law.offset.size() ? law.offset : effect_of(law, fit_beside(search, law));
+  const Eigen::ArrayXd acts = (own.rowwise().squaredNorm().array() > 0.0).cast<double>() * search.target.layout.counts;
+  const auto power = [&](const Series3& x) { return (x.rowwise().squaredNorm().array() * acts).sum(); };
+  return power(own) < kForm * kForm * power(filters);
+}
+
 double decades_below_usual(const SensorSearch& search, const Found& law) {
+  if (law.id == "sys_skew") {
+    const double usual = 1e-6 * sim::find_effect(law.id)->parameters.front().typical_low;
+    return law.timing.size() > 1 ? 0.0 : std::max(0.0, -std::log10(std::abs(law.timing[0]) / usual));
+  }
   const sim::EffectInfo* info = entry_of_linear(law);
   if (info == nullptr) return 0.0;
   const Fit fit = fit_beside(search, law);

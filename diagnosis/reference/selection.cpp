@@ -109,7 +109,9 @@ bool pays(const Signals& s, const SensorSearch& search, const Found& best) {
                                                             : kLeastNet;
   if (best.net_nats < least) return false;
   const bool may_be_left_over = best.gain_nats < least_share * search.first_gain;
-  if (may_be_left_over && (free_form || search.has_unknown() || !leaves_only_noise(s, search, best))) return false;
+  if (may_be_left_over &&
+      (free_form || search.has_unknown() || is_of_a_filters_form(search, best) || !leaves_only_noise(s, search, best)))
+    return false;
   return best.net_nats >= least + kNatsADecade * decades_below_usual(search, best);
 }
 

@@ -9,7 +9,7 @@ namespace stillpoint::diag::detail {
 namespace {
 
 constexpr double kPiece_s = 0.02, kReach_s = 10.0;
-constexpr double kLateness_s = 0.15;  // lags up to this are physics (T1), larger ones are a mix-up
+constexpr double kPhysics_s = 0.15;  // lags up to this are physics (T1), larger ones are a mix-up
 
 /// Sizes of the rates on a grid, zero where there are none.
 struct Sizes {
@@ -48,7 +48,7 @@ void check_lateness(const Comparison& c, const io::Recording& r, Sanity& out) {
   for (std::ptrdiff_t lag = -reach; lag <= reach; ++lag)
     if (const double q = correlation(sizes, lag); q > highest) highest = q, best = lag;
   const double late_s = static_cast<double>(best) * sizes.step_s;
-  if (std::abs(late_s) < kLateness_s || highest < 0.8 || highest < now + 0.1) return;
+  if (std::abs(late_s) < kPhysics_s || highest < 0.8 || highest < now + 0.1) return;
   out.mistake(fmt::format("reference: it is {:.2f} s {} the sensors; align the clocks before comparing",
                           std::abs(late_s), late_s > 0 ? "behind" : "ahead of"));
   out.reference_unusable = true;

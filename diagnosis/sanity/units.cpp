@@ -15,7 +15,7 @@ namespace {
 constexpr double kBelieved = 2.2;   // a norm within this factor of the expected one is believed
 constexpr double kHopeless = 20.0;  // no launch lasts at so many g, no magnet is so strong for most of a recording
 
-/// Of the raw readings: the offset of the simulation, in the right unit, would hide readings in a wrong one.
+/// Of the raw readings: the offset of the simulation taken away, in the right unit, would hide readings in a wrong one.
 double median_norm(const std::vector<Vec3>& readings) {
   std::vector<double> norms;
   for (const Vec3& y : readings)
@@ -44,6 +44,9 @@ void check_norm(Sensor s, double norm, double expected, std::span<const UnitMist
                   "wrong field_world_uT, wrong unit or a magnet close by",
                   kSensorName[s], norm, expected, kSensorUnit[s]));
 }
+
+/// What raw readings of a vector are as large as, in the middle of all attitudes: an iron of 1 mT is most of them.
+double usual_norm(double vector, const Vec3& offset) { return std::hypot(vector, offset.norm()); }
 
 /// Readings of gravity under the name of a rate.
 bool look_exchanged(const io::Recording& r, double gravity_mps2) {
@@ -110,8 +113,12 @@ void check_units(const io::Recording& r, const sim::SimulationConfig& config, Sa
     out.set_aside(kAcc, "acc, gyr: gravity stands in the gyroscope's columns: the two sensors look exchanged");
     out.unusable[kGyr] = true;
   }
-  if (!out.unusable[kAcc]) check_norm(kAcc, median_norm(r.acc_mps2), config.gravity_mps2, kForceUnits, out);
-  if (!out.unusable[kMag]) check_norm(kMag, median_norm(r.mag_uT), config.field_world_uT.norm(), kFieldUnits, out);
+  if (!out.unusable[kAcc])
+    check_norm(kAcc, median_norm(r.acc_mps2), usual_norm(config.gravity_mps2, triad(config, kAcc)->bias), kForceUnits,
+               out);
+  if (!out.unusable[kMag])
+    check_norm(kMag, median_norm(r.mag_uT), usual_norm(config.field_world_uT.norm(), triad(config, kMag)->bias),
+               kFieldUnits, out);
   const Sensor other = out.unusable[kMag] ? kAcc : kMag;
   if (out.unusable[kGyr] || out.unusable[other]) return;
   if (const auto slope = rate_over_field(r, config, other))

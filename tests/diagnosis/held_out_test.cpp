@@ -58,6 +58,31 @@ TEST(BlocksLeftOut, HaveTheDensityOfANormalDistributionAboutWhatTheOthersTell) {
   EXPECT_NEAR(out.nats[1], expected, 1e-6);
 }
 
+/// A law that is true removes all that coefficients from elsewhere can: what those leave beyond the best ones is known.
+TEST(BlocksLeftOut, CostWhatTheCoefficientsOfOthersAreKnownTo) {
+  std::mt19937 random(5);
+  std::normal_distribution<double> normal;
+  const Series3 noise_alone = Series3::NullaryExpr(kRows, 3, [&] { return normal(random); });
+  Series3 law = Series3::Zero(kRows, 3);
+  for (Eigen::Index i = 0; i < kRows; ++i)
+    law(i, 0) = (i / kBlock == 1 ? 3.0 : 0.3) * std::sin(0.1 * static_cast<double>(i));
+  const Target t = target_of(noise_alone);
+  const NoiseModel noise(t.layout, noise_alone);
+  const Eigen::VectorXd excess = excess_of_others(t, {{-1, law}}, noise, kBlock, {0, 1, 0});
+  ASSERT_EQ(excess.size(), 2);
+  double expected = 0.0;
+  for (int axis = 0; axis < 3; ++axis) {
+    Eigen::MatrixXd X(kRows, axis == 0 ? 2 : 1);
+    X.col(0) = noise.whiten(t.layout, t.nuisance.col(0), axis);
+    if (axis == 0) X.col(1) = noise.whiten(t.layout, law.col(0), 0);
+    const Eigen::MatrixXd all = X.transpose() * X,
+                          own = X.middleRows(kBlock, kBlock).transpose() * X.middleRows(kBlock, kBlock);
+    expected += (own * (all.inverse() + (all - own).inverse())).trace();
+  }
+  EXPECT_NEAR(excess[1], expected, 1e-3 * expected);
+  EXPECT_GT(excess[1], 5.0 * excess[0]) << "the law is told by the block in the middle";
+}
+
 /// Half of six turns, each about one axis, tells the matrix and the asymmetry hardly from each other, and predicts the
 /// other half by neither.
 TEST(HeldOut, AFewTurnsBetweenPosesTellAnAsymmetry) {

@@ -1,7 +1,7 @@
 /// Numbers that no part has are no answer.
 #include "diagnosis/reference/plausible.h"
 
-#include <gtest/gtest.h>
+#include <gmock/gmock.h>
 
 #include <utility>
 
@@ -47,6 +47,30 @@ TEST(Plausible, GravityIsOffByWhatPlacesDifferAndByMoreThanTheScaleOfATranslatio
   s->exact_reference = false;
   EXPECT_FALSE(allowed(0.012)) << "lines between a camera's frames take as much off a stroke";
   EXPECT_TRUE(allowed(0.03));
+}
+
+/// A camera that is late by 50 us is a clock that is off by 0.7 ppm just as well, and no clock is so good.
+TEST(Plausible, AClockThatIsHardlyOffHasToExplainMore) {
+  const auto config = test::baseline("exact", 60.0);
+  const Result<Signals> s = make_signals(test::record(config, "", {}, 3), config, {});
+  ASSERT_TRUE(s);
+  Found law;
+  law.id = "sys_skew";
+  for (const auto& [rate, decades] : {std::pair{5e-7, 1.0}, {-5e-8, 2.0}, {3e-5, 0.0}}) {
+    law.timing = Eigen::VectorXd::Constant(1, rate);
+    EXPECT_NEAR(decades_below_usual(start_search(*s, kGyr), law), decades, 1e-9) << rate;
+  }
+}
+
+/// Noise of a good gyroscope is a 250th of what 4 ms of a low-pass do: the simulator's and the model's filters are not
+/// the same to that.
+TEST(Plausible, NothingIsNamedThatIsOfTheFormOfAResponse) {
+  auto config = test::baseline("exact", 100.0);
+  config.gyroscope->noise_sd = 1.7e-4;
+  config.environment.temperature = {.kind = "warm_up", .rise_K = 15.0};
+  config.environment.current = {.kind = "steps"};
+  const Answer answer = diagnose(test::record(config, "gyr_lpf", {{"tau_s", {0.004}}}, 11), config);
+  EXPECT_THAT(test::names(answer), testing::ElementsAre("gyr_lpf")) << answer.diagnosis.summary;
 }
 
 /// A rail takes off what lies beyond it, all of it and no more: half as much again is something else.

@@ -80,6 +80,16 @@ TEST(Sanity, NamesUnits) {
   expect_notice(checked(r), "degrees per second");
 }
 
+TEST(Sanity, AnIronThatTheSimulationKnowsIsNoUnit) {
+  auto simulation = baseline();
+  simulation.magnetometer->bias = Vec3(60, -745, 20);
+  auto r = tumbling();
+  for (auto& m : r.mag_uT) m += simulation.magnetometer->bias;
+  EXPECT_THAT(check_input(r, simulation).notices, testing::IsEmpty());
+  for (auto& m : r.mag_uT) m *= 10;
+  expect_notice(check_input(r, simulation), "milligauss");
+}
+
 void scale(std::vector<Vec3>& readings, double factor) {
   for (Vec3& y : readings) y *= factor;
 }
