@@ -99,6 +99,13 @@ struct Finding {
 
 /// Physics outside the catalogue: a law of its own, or a product of drivers that has no name.
 [[nodiscard]] inline bool is_unknown(std::string_view effect) { return effect.starts_with("unknown"); }
+/// Of a sensor, or of the clock of all.
+[[nodiscard]] inline bool is_delay(std::string_view effect) {
+  return effect.ends_with("_delay") || effect == "sys_offset";
+}
+[[nodiscard]] inline bool is_filter(std::string_view effect) {
+  return effect.ends_with("_lpf") || effect.ends_with("_resonance");
+}
 [[nodiscard]] inline bool is_unknown(const Finding& f) { return is_unknown(f.effect); }
 
 struct ConfigurationFault {

@@ -164,7 +164,7 @@ struct Search {
 Search begin(const Signals& s, const std::vector<std::string>& without) {
   Search out;
   for (const Sensor k : {kAcc, kGyr, kMag}) {
-    if (!s.present[k] || s.residual[k].rows() == 0) continue;
+    if (!s.compared(k)) continue;
     out.result.sensor[k] = start_search(s, k, without);
     out.open[k] = out.result.sensor[k]->target.layout.used() > 200;
   }

@@ -92,7 +92,7 @@ bool shows_nowhere(const SensorSearch& search, std::size_t index, const Finished
 /// A delay of less than the mean that rows have which are taken at random times.
 bool is_the_jitters_mean(const Signals& s, const SensorSearch& search, std::size_t index, const Finished& finished) {
   const Found& f = search.found[index];
-  return s.jitter_sd_s > 0.0 && (f.id.ends_with("_delay") || f.id == "sys_offset") && !f.window.local &&
+  return s.jitter_sd_s > 0.0 && is_delay(f.id) && !f.window.local &&
          std::abs(finished.values[first_column(search, index)]) <
              most_of_a_mean_s(s.jitter_sd_s, search.target.layout.used());
 }
@@ -167,7 +167,7 @@ void drop_whiles_of_a_camera(const Signals& s, SensorSearch& search, std::vector
 
 /// By how much a timing law makes its sensor late, at most, s; infinite of a law that is none of a clock.
 double lateness(const Signals& s, const Found& f, const Eigen::VectorXd& numbers) {
-  if (f.id.ends_with("_delay") || f.id == "sys_offset") return std::abs(numbers[0]);
+  if (is_delay(f.id)) return std::abs(numbers[0]);
   if (f.id != "sys_skew") return HUGE_VAL;
   Series late = numbers[0] * Series::LinSpaced(s.n, 0.0, s.duration_s());
   if (numbers.size() == 2) late += numbers[1] * integral(s.temperature_K, s.dt_s);

@@ -24,7 +24,7 @@ struct Turn {
 
 /// The rotation in the map that brings this sensor's prediction to its reading.
 std::optional<Turn> turn_of(const Signals& s, Sensor k) {
-  if (!s.present[k] || s.residual[k].rows() == 0) return std::nullopt;
+  if (!s.compared(k)) return std::nullopt;
   const Target target = make_target(s, k);
   if (target.layout.used() < 500) return std::nullopt;
   const Fit fit = fit_profile(target, {});

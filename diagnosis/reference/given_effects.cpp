@@ -255,7 +255,7 @@ std::vector<std::string> subtract_effects(Signals& s, const std::vector<sim::Eff
     bool done = e.id == "sys_tracker";
     if (e.id == "ref_frame") turn_into_sensor_frame(s, vec3_of(e, "phi_rad")), done = true;
     for (const Sensor k : {kAcc, kGyr, kMag}) {
-      if (!s.present[k] || s.residual[k].rows() == 0) continue;
+      if (!s.compared(k)) continue;
       if (const auto delta = law_delta(s, k, e)) s.residual[k] -= *delta, done = true;
       const bool mine = e.id.rfind(std::string(kSensorName[k]) + "_", 0) == 0, common = e.id.rfind("sys_", 0) == 0;
       if (!mine && !common) continue;

@@ -201,15 +201,16 @@ HeldOut held_out_by_regime(const SensorSearch& search, const std::vector<std::si
   if (folds.count == 2 && !folds.of_regimes && !blocks.of_halves) folds = beside_each_other(t, kFold_s, kFolds);
   Series floor = Series::Zero(t.layout.n);
   for (int axis = 0; axis < 3; ++axis) floor += noise.whiten(t.layout, best.col(axis), axis).cwiseAbs2();
-  Series cost = Series::Zero(t.layout.n);
+  const bool cause = claims_to_be_the_cause(search, effects);
+  const auto cost_on = [&](const Folds& f) {
+    return cause ? cost_of_others(t, all, noise, f) : Series(Series::Zero(t.layout.n));
+  };
   Judged judged = judge_on(search, effects, noise, folds);
-  if (claims_to_be_the_cause(search, effects)) {
-    cost = cost_of_others(t, all, noise, folds);
-    if (folds.of_regimes && cost.sum() > kMostCost * (judged.square_before - floor).sum()) {
-      folds = beside_each_other(t);
-      judged = judge_on(search, effects, noise, folds);
-      cost = cost_of_others(t, all, noise, folds);
-    }
+  Series cost = cost_on(folds);
+  if (cause && folds.of_regimes && cost.sum() > kMostCost * (judged.square_before - floor).sum()) {
+    folds = beside_each_other(t);
+    judged = judge_on(search, effects, noise, folds);
+    cost = cost_on(folds);
   }
   out.on = folds.of_regimes ? "regimes"
                             : fmt::format("blocks of {:.2g} s", static_cast<double>(folds.block) * t.rows.step_s);

@@ -19,6 +19,7 @@ constexpr double kTellsMemory_nats = 10.0;  // of less the correlation is chance
 constexpr double kWhite = 0.3;              // correlation of neighbours: a delay or a lost sample lasts
 constexpr double kSlowest_s = 1e-6, kFastest_s = 2e-2;
 constexpr int kGrid = 80;
+constexpr std::size_t kLeastInMotion = 200;  // rows of a sensor, to say anything of its clock
 constexpr int kFits = 4;  // of laws and times, by turns: each leaves a third of a law's error or less
 
 double gain_of(const TimedRows& rows, double sd_s) {
@@ -113,7 +114,7 @@ Finding finding_of(const Signals& s, const std::vector<TimedRows>& sensors, cons
 void set_right(Signals& s, const std::vector<TimedRows>& sensors, const std::array<Series3, kSensors>& y) {
   Series late_s = lateness_of(s, sensors, y, s.jitter_sd_s);
   for (const Sensor k : {kAcc, kGyr, kMag}) {
-    if (!s.present[k] || s.residual[k].rows() == 0) continue;
+    if (!s.compared(k)) continue;
     if (s.late_s.size() > 0) s.residual[k] += effect_of_lateness(s, k, s.late_s);
     s.residual[k] -= effect_of_lateness(s, k, late_s);
   }
@@ -125,8 +126,9 @@ void set_right(Signals& s, const std::vector<TimedRows>& sensors, const std::arr
 void find_jitter(Signals& s, const sim::SimulationConfig& given, Answer& answer) {
   std::vector<TimedRows> sensors;
   for (const Sensor k : {kAcc, kGyr, kMag})
-    if (s.present[k] && s.residual[k].rows() > 0 && s.n > 200)
-      if (TimedRows r = rows_of(s, k, s.residual[k], 0.0); r.at.size() > 200) sensors.push_back(std::move(r));
+    if (s.compared(k))
+      if (TimedRows r = rows_of(s, k, s.residual[k], 0.0); r.at.size() > kLeastInMotion)
+        sensors.push_back(std::move(r));
   Jitter jitter = most_likely(sensors);
   if (jitter.gain_nats < kLeastNats) return;
   for (TimedRows& r : sensors) r = rows_of(s, r.sensor, s.residual[r.sensor], jitter.sd_s);
@@ -169,7 +171,8 @@ bool time_rows_again(Signals& s, const EngineResult& found) {
       Target t = found.sensor[k]->target;
       t.residual += s.residual[k] - searched[k];
       y[k] = fit_profile(t, found.sensor[k]->explained()).leftover + effect_of_lateness(s, k, s.late_s);
-      if (TimedRows r = rows_of(s, k, y[k], s.jitter_sd_s); r.at.size() > 200) sensors.push_back(std::move(r));
+      if (TimedRows r = rows_of(s, k, y[k], s.jitter_sd_s); r.at.size() > kLeastInMotion)
+        sensors.push_back(std::move(r));
     }
     set_right(s, sensors, y);
   }

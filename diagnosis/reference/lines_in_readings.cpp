@@ -72,7 +72,7 @@ void tell(Signals& s, const SensorSearch& search, const Finished& finished, Answ
 void find_lines_in_readings(Signals& s, Eigen::Index rows_merged, const std::vector<std::string>& without,
                             Answer& answer) {
   for (const Sensor k : {kAcc, kGyr, kMag}) {
-    if (!s.present[k] || s.residual[k].rows() == 0) continue;
+    if (!s.compared(k)) continue;
     const auto lowest = lowest_Hz(s, k, rows_merged);
     if (!lowest) continue;
     const SensorSearch search = lines_of(s, k, *lowest, without);

@@ -94,7 +94,7 @@ bool is_of_a_filters_form(const SensorSearch& search, const Found& law) {
   constexpr double kForm = 0.005;
   Series3 filters = Series3::Zero(search.target.layout.n, 3);
   for (const Found& f : search.found)
-    if (f.id.ends_with("_lpf") || f.id.ends_with("_resonance")) filters += f.offset;
+    if (is_filter(f.id)) filters += f.offset;
   if (filters.isZero(0.0)) return false;
   const Series3 own = law.offset.size() ? law.offset : effect_of(law, fit_beside(search, law));
   const Eigen::ArrayXd acts = (own.rowwise().squaredNorm().array() > 0.0).cast<double>() * search.target.layout.counts;

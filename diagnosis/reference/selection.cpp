@@ -61,10 +61,7 @@ void shorten(const SensorSearch& search, const std::vector<Candidate>& all, std:
 
 /// Delay, low-pass and resonance are one response to first order, proportional to the derivative: a second one would
 /// only correct the first, and both would lose their numbers.
-bool is_response(const std::string& id) {
-  return id.ends_with("_delay") || id.ends_with("_lpf") || id.ends_with("_resonance") || id == "sys_offset" ||
-         id == "unknown:dw/dt";
-}
+bool is_response(const std::string& id) { return is_delay(id) || is_filter(id) || id == "unknown:dw/dt"; }
 bool responds(const SensorSearch& search) {
   return std::any_of(search.found.begin(), search.found.end(), [](const Found& f) { return is_response(f.id); });
 }

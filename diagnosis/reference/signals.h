@@ -68,6 +68,7 @@ struct Signals {
   std::vector<std::string> notices;
 
   [[nodiscard]] double duration_s() const { return static_cast<double>(n) * dt_s; }
+  [[nodiscard]] bool compared(Sensor k) const { return present[k] && residual[k].rows() > 0; }
 };
 
 inline constexpr double kReferenceTemperature_degC = 25.0;

@@ -35,8 +35,7 @@ bool changes(const SensorSearch& search, const Finished& finished, const Shown& 
 
 bool delay_varies(const SensorSearch& search, std::size_t index, const Finished& finished) {
   const Found& f = search.found[index];
-  const bool delay = f.id.ends_with("_delay") || f.id == "sys_offset";
-  if (!delay || f.timing.size() != 1 || f.columns.size() != 1) return false;
+  if (!is_delay(f.id) || f.timing.size() != 1 || f.columns.size() != 1) return false;
   const auto shown = [&f](int axis) { return shown_in(f.columns.front(), axis); };
   return changes(search, finished, shown, std::abs(f.timing[0]));
 }

@@ -41,7 +41,7 @@ std::vector<Deltas> deltas_of(const Signals& bare, const Signals& thin, const st
     const Signals thinner = factor > 1 ? thinned(alone, factor) : Signals{};
     const Signals& without = factor > 1 ? thinner : alone;
     for (const Sensor k : {kAcc, kGyr, kMag}) {
-      if (!bare.present[k] || bare.residual[k].rows() == 0) continue;
+      if (!bare.compared(k)) continue;
       Series3 delta = thin.residual[k] - without.residual[k];
       const double rms = std::sqrt(delta.squaredNorm() / static_cast<double>(3 * thin.n));
       if (rms > kLeastOverNoise * bare.noise_sd[k]) out[i][k] = std::move(delta);

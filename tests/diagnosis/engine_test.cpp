@@ -235,20 +235,6 @@ TEST(Engine, ASensorThatIsEarlyAloneStandsBesideAReferenceThatIsLate) {
       << "the others deny it";
 }
 
-/// Then one that is later has so much of its own, and no more.
-TEST(Engine, BesideAReferenceThatIsLateASensorsOwnDelayIsWhatItHasBeyondTheOthers) {
-  auto config = baseline("mocap");
-  config.gyroscope->noise_sd = 1.5e-4, config.magnetometer->noise_sd = 1.0;
-  config.reference.orientation_sd_rad = 3e-4, config.reference.position_sd_m = 1e-4;
-  auto sensor = config;
-  sensor.effects.push_back({.id = "acc_delay", .parameters = {{"tau_s", {0.01}}}, .axes = {}, .window_s = {}});
-  const Answer answer = diagnose(record(sensor, "sys_offset", {{"tau_s", {-4e-4}}}, 9), config);
-  EXPECT_THAT(names(answer), testing::UnorderedElementsAre("sys_offset", "acc_delay")) << answer.diagnosis.summary;
-  const Finding* own = test::finding(answer, "acc_delay");
-  ASSERT_NE(own, nullptr);
-  EXPECT_NEAR(test::parameter(*own, "tau").value, 0.01, 2e-4);
-}
-
 TEST(Engine, DrawsTheTemperatureLawOverTheTemperatureAndTheSpectrumDownToTheNoise) {
   auto config = baseline("exact");
   config.environment.temperature = {.kind = "warm_up", .rise_K = 8.0, .tau_s = 60.0};

@@ -107,5 +107,20 @@ TEST(ReferenceHypotheses, ALawBesideAJitterHasItsWholeSize) {
   EXPECT_NEAR(law->parameters[1].value, 5e-4, 3e-5);
 }
 
+/// No sensor is early: beside one that seems so, one that is later has so much of its own, and no more.
+TEST(ReferenceHypotheses, BesideALateReferenceASensorsOwnDelayIsWhatItHasBeyondTheOthers) {
+  auto config = test::baseline("mocap");
+  config.gyroscope->noise_sd = 1.5e-4, config.magnetometer->noise_sd = 1.0;
+  config.reference.orientation_sd_rad = 3e-4, config.reference.position_sd_m = 1e-4;
+  auto sensor = config;
+  sensor.effects.push_back({.id = "acc_delay", .parameters = {{"tau_s", {0.01}}}, .axes = {}, .window_s = {}});
+  const Answer answer = diagnose(test::record(sensor, "sys_offset", {{"tau_s", {-4e-4}}}, 9), config);
+  EXPECT_THAT(test::names(answer), testing::UnorderedElementsAre("sys_offset", "acc_delay"))
+      << answer.diagnosis.summary;
+  const Finding* own = finding(answer, "acc_delay");
+  ASSERT_NE(own, nullptr);
+  EXPECT_NEAR(test::parameter(*own, "tau").value, 0.01, 2e-4);
+}
+
 }  // namespace
 }  // namespace stillpoint::diag
