@@ -19,6 +19,7 @@ struct Answer {
       effects;  ///< the findings as entries for the simulation; findings without a law have none
   std::array<std::optional<sim::TriadConfig>, 3> numbers;  ///< of sensors whose bias or matrix is wrong: the right ones
   std::vector<std::string> surplus;                        ///< effects of the simulation to take out
+  double reference_latency_s = 0.0;                        ///< beyond the simulation's; no effect of a sensor
 };
 
 /// Never fails: what cannot be judged is the verdict insufficient_data, with the reason among the notices.

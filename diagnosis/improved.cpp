@@ -10,6 +10,7 @@ sim::SimulationConfig improved_by(const Answer& answer, sim::SimulationConfig si
   std::erase_if(simulation.effects, [&](const sim::EffectConfig& e) {
     return std::find(answer.surplus.begin(), answer.surplus.end(), e.id) != answer.surplus.end();
   });
+  simulation.reference.latency_s += answer.reference_latency_s;
   simulation.effects.insert(simulation.effects.end(), answer.effects.begin(), answer.effects.end());
   const std::array<std::optional<sim::TriadConfig>*, 3> triads{&simulation.accelerometer, &simulation.gyroscope,
                                                                &simulation.magnetometer};

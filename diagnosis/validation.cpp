@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "diagnosis/forensics/forensics.h"
+#include "diagnosis/reference/apparatus.h"
 #include "diagnosis/reference/given_effects.h"
 #include "diagnosis/sanity/readings.h"
 #include "diagnosis/sanity/rows_with_reference.h"
@@ -15,7 +16,7 @@ namespace {
 
 constexpr double kBlock_s = 2.0;
 constexpr double kLeastRemovable = 0.02;  // of the noise power: less is not excited
-constexpr Eigen::Index kLeastRows = 500;
+constexpr Eigen::Index kLeastJudged = 500;
 
 /// Residual without the bias and the matrix that fit it best; muted rows are zero.
 Series3 left_over(const Signals& s, Sensor k) {
@@ -88,12 +89,13 @@ std::vector<Validation> validate(const std::string& file, const io::Recording& o
       make_signals(rows, given, muted, nullptr, static_cast<Eigen::Index>(framed.rows_a_frame));
   if (!made || !made->has_orientation) return out;
   Signals before = *made, after = *made;
+  set_reference_on_time(before, given.reference), set_reference_on_time(after, improved.reference);
   static_cast<void>(subtract_effects(before, given.effects));
   static_cast<void>(subtract_effects(after, improved.effects));
   for (const Sensor k : {kAcc, kGyr, kMag}) {
     if (!made->present[k] || made->residual[k].rows() == 0) continue;
     const auto& mask = made->muted[k];
-    if (std::count(mask.begin(), mask.end(), 0) < kLeastRows) continue;
+    if (std::count(mask.begin(), mask.end(), 0) < kLeastJudged) continue;
     out.push_back(judged(before, after, k));
     out.back().file = file;
   }

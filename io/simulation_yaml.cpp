@@ -107,7 +107,7 @@ Result<SimulationConfig> read_root(const YAML::Node& root, const std::string& na
   if (const YAML::Node n = root["timing"]) read_fields(n, c.timing, faults);
   if (const YAML::Node n = root["reference"]) {
     read_fields(n, c.reference, faults);
-    c.reference.stated = true;
+    c.reference.stated = !n.IsMap() || n.size() > (n["latency_s"] ? 1U : 0U);
     if (n.IsMap()) check_kind(n, c.reference.kind, Names{"exact", "mocap", "none"}, faults);
   }
   if (!faults.empty()) return faults.error();

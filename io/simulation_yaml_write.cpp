@@ -111,7 +111,10 @@ std::string format_simulation(const SimulationConfig& c) {
   block("environment", emit(c.environment), emit(sim::EnvironmentConfig{}));
   block("timing", emit(c.timing), emit(sim::TimingConfig{}));
   // Said at all, it is said again: a diagnosis holds the reference to it.
-  block("reference", emit(c.reference), c.reference.stated ? std::string() : emit(sim::ReferenceConfig{}));
+  if (c.reference.stated)
+    block("reference", emit(c.reference), {});
+  else if (c.reference.latency_s != 0.0)
+    out += fmt::format("reference: {{latency_s: {}}}\n", number(c.reference.latency_s));
   return out;
 }
 

@@ -168,7 +168,8 @@ struct TimingConfig {
 struct ReferenceConfig {
   std::string kind = "exact";  ///< exact, mocap, none
   double orientation_sd_rad = 0.001, position_sd_m = 2e-4, band_hz = 10.0;
-  bool stated = false;  ///< the simulation speaks of its reference: a diagnosis then holds the recording's to that
+  double latency_s = 0.0;  ///< of its time stamps against the sensors': a row holds the pose of so much earlier
+  bool stated = false;     ///< the simulation speaks of its errors: a diagnosis then holds the recording's to them
 
   template <class P = ReferenceConfig>
   static constexpr auto fields() {
@@ -177,6 +178,7 @@ struct ReferenceConfig {
         field("orientation_sd_rad", &P::orientation_sd_rad, in_range(0.0, 1.0), "mocap: error per axis"),
         field("position_sd_m", &P::position_sd_m, in_range(0.0, 10.0), "mocap: error per axis"),
         field("band_hz", &P::band_hz, in_range(0.01, 1000.0), "mocap: bandwidth of these errors"),
+        field("latency_s", &P::latency_s, in_range(-10.0, 10.0), "late against the sensors' time stamps by this"),
     };
   }
 };

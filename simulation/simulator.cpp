@@ -238,8 +238,10 @@ void Simulator::write_reference(double row_t_s, SimulatedSample& out) noexcept {
   out.true_gyr_radps = array(truth.rate_radps);
   out.true_mag_uT = array(Vec3(R_body_world * config_.field_world_uT));
   out.has_reference = config_.reference.kind != "none";
-  out.ref_q_world_body = truth.q_world_body;
-  out.ref_position_m = truth.position_m;
+  const double latency_s = config_.reference.latency_s;
+  const MotionState seen = latency_s == 0.0 ? truth : motion_at(row_t_s - latency_s);
+  out.ref_q_world_body = seen.q_world_body;
+  out.ref_position_m = seen.position_m;
   reference_.disturb(row_t_s, out.ref_q_world_body, out.ref_position_m);
 }
 

@@ -20,6 +20,14 @@ void find_jitter(Signals& s, const sim::SimulationConfig& given, Answer& answer)
 void find_reference_error(const Signals& s, const io::Recording& recording, const sim::SimulationConfig& given,
                           Answer& answer);
 
+/// Takes out what the simulation says that its reference is late by.
+void set_reference_on_time(Signals& s, const sim::ReferenceConfig& reference);
+
+/// Sensors that are late beside a measured reference by less than its time stamps are good for: that is written down as
+/// the latency of the reference, as no other recording of the sensors would show it. Of less than a tenth of that no
+/// finding is left, only a notice.
+void leave_to_the_reference(const Signals& s, Answer& answer);
+
 /// Takes out a slow turn of milliradians between a noisy reference and the sensors that two of them agree about, and
 /// says so in a notice: gravity, the field and the rate would each be given a law of its own for it.
 void take_out_wandering(Signals& s, Answer& answer);

@@ -1,6 +1,7 @@
 #include "diagnosis/reference/findings.h"
 
 #include <fmt/format.h>
+#include <Eigen/LU>
 
 #include <algorithm>
 #include <cmath>
@@ -165,19 +166,45 @@ void drop_whiles_of_a_camera(const Signals& s, SensorSearch& search, std::vector
   }
 }
 
-/// By how much a timing law makes its sensor late, at most, s; infinite of a law that is none of a clock.
-double lateness(const Signals& s, const Found& f, const Eigen::VectorXd& numbers) {
-  if (is_delay(f.id)) return std::abs(numbers[0]);
-  if (f.id != "sys_skew") return HUGE_VAL;
-  Series late = numbers[0] * Series::LinSpaced(s.n, 0.0, s.duration_s());
-  if (numbers.size() == 2) late += numbers[1] * integral(s.temperature_K, s.dt_s);
-  return late.cwiseAbs().maxCoeff();
+/// How late each row is, s, by each number of a timing law at one, a column each; none of a filter with two numbers.
+Eigen::MatrixXd lateness(const Signals& s, const Found& f) {
+  Eigen::MatrixXd late = Eigen::MatrixXd::Zero(s.n, f.timing.size() == 2 && f.id != "sys_skew" ? 0 : f.timing.size());
+  if (late.cols() == 0) return late;
+  const Eigen::Index begin = f.window.local ? f.window.begin : 0, end = f.window.local ? f.window.end : s.n;
+  late.col(0).segment(begin, end - begin).setOnes();
+  if (f.id != "sys_skew") return late;
+  late.col(0).setLinSpaced(0.0, s.duration_s());
+  if (late.cols() == 2) late.col(1) = integral(s.temperature_K, s.dt_s);
+  return late;
 }
 
-/// A log's clock is known from how it turns, to a small part of a step: what is later by less is not the sensor's.
+/// By how much a clock makes its sensor late, at most, s; infinite of a law that is none of a clock.
+double most_late(const Signals& s, const Found& f, const Eigen::VectorXd& numbers) {
+  const bool clock = is_delay(f.id) || f.id == "sys_skew";
+  return clock ? (lateness(s, f) * numbers).cwiseAbs().maxCoeff() : HUGE_VAL;
+}
+
+/// Rows that deviate at random in time are late by a clock as well, by chance.
+void widen_by_jitter(const Signals& s, const SensorSearch& search, Finished& finished) {
+  if (s.jitter_sd_s == 0.0) return;
+  for (std::size_t i = 0; i < search.found.size(); ++i) {
+    if (search.found[i].kind != Kind::kTiming) continue;
+    const Eigen::MatrixXd late = lateness(s, search.found[i]);
+    if (late.cols() == 0) continue;
+    const Eigen::MatrixXd told = late.transpose() * search.target.layout.counts.matrix().asDiagonal() * late;
+    const Eigen::VectorXd chance = s.jitter_sd_s * told.inverse().diagonal().cwiseMax(0.0).cwiseSqrt();
+    auto sd = finished.sd.segment(first_column(search, i), late.cols()).array();
+    sd = (sd.square() + chance.array().square()).sqrt();
+  }
+}
+
+/// A log's clock is known from how it turns, to a small part of a step: what is later by less is not the sensor's. A
+/// camera's goes along with the sensors' to a fraction of a millisecond at best.
 bool within_the_alignment(const Signals& s, const Found& f, const Eigen::VectorXd& numbers) {
-  constexpr double kOfAStep = 4e-3;
-  return s.from_log && f.kind == Kind::kTiming && lateness(s, f, numbers) < kOfAStep * s.dt_s;
+  constexpr double kOfAStep = 4e-3, kCameras_s = 2.5e-4;
+  if (f.kind != Kind::kTiming) return false;
+  if (s.from_log) return most_late(s, f, numbers) < kOfAStep * s.dt_s;
+  return f.id == "sys_skew" && !s.exact_reference && most_late(s, f, numbers) < kCameras_s;
 }
 
 bool has_no_model(const Finding& f) { return is_unknown(f) || f.effect.ends_with("_drift"); }
@@ -217,8 +244,8 @@ void report_sensor(const Signals& s, const EngineResult& engine, Sensor sensor,
   const bool piece = slow && locals(search) > 0 && !missing_drivers(s, sensor).empty();
   const bool switched = locals(search) >= 2 || piece;
   if (switched) findings.push_back(switching_finding(finding_from(s, search, 0, finished, {}), s, search));
-  const Stated stated =
-      switched ? Stated{search, finished, {}} : stated_of(s, search, finished, answer.diagnosis.notices);
+  Stated stated = switched ? Stated{search, finished, {}} : stated_of(s, search, finished, answer.diagnosis.notices);
+  widen_by_jitter(s, stated.search, stated.finished);
   for (std::size_t i = 0; i < stated.held_out.size(); ++i) {
     const Found& f = stated.search.found[i];
     const auto first = first_column(stated.search, i), count = static_cast<Eigen::Index>(f.columns.size());
@@ -255,6 +282,8 @@ void report_sensor(const Signals& s, const EngineResult& engine, Sensor sensor,
     if (auto wanders = wanders_at_rest(s, search, finished)) findings.push_back(std::move(*wanders));
   }
   tell_swings(s, search, finished, answer.diagnosis);
+  if (std::none_of(findings.begin(), findings.end(), [](const Finding& f) { return is_unknown(f); }))
+    tell_left_in_motion(s, stated.search, stated.finished, answer.diagnosis);
   if (std::any_of(search.found.begin(), search.found.end(), [](const Found& f) { return is_line(f.id); }))
     without_noise_of(search.sensor, answer.diagnosis);
   for (auto& f : findings) answer.diagnosis.findings.push_back(std::move(f));

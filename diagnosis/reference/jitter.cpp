@@ -20,7 +20,8 @@ constexpr double kWhite = 0.3;              // correlation of neighbours: a dela
 constexpr double kSlowest_s = 1e-6, kFastest_s = 2e-2;
 constexpr int kGrid = 80;
 constexpr std::size_t kLeastInMotion = 200;  // rows of a sensor, to say anything of its clock
-constexpr int kFits = 4;  // of laws and times, by turns: each leaves a third of a law's error or less
+constexpr double kFarOverNoise = 3.0;  // beside laws: what a shift in time is wrong by is along the derivative too
+constexpr int kFits = 4;               // of laws and times, by turns: each leaves a third of a law's error or less
 
 double gain_of(const TimedRows& rows, double sd_s) {
   double sum = 0.0;
@@ -79,6 +80,22 @@ Jitter most_likely(const std::vector<TimedRows>& sensors) {
   return best;
 }
 
+struct MeanSquares {
+  double along = 0.0, noise = 0.0;
+};
+
+MeanSquares mean_squares(const TimedRows& r) {
+  MeanSquares sum;
+  for (std::size_t i = 0; i < r.at.size(); ++i) sum.along += r.along[i] * r.along[i], sum.noise += r.noise[i];
+  const double n = std::max<double>(static_cast<double>(r.at.size()), 1.0);
+  return {sum.along / n, sum.noise / n};
+}
+
+bool stands_out(const TimedRows& r) {
+  const MeanSquares m = mean_squares(r);
+  return m.along > kFarOverNoise * kFarOverNoise * m.noise;
+}
+
 Finding finding_of(const Signals& s, const std::vector<TimedRows>& sensors, const Jitter& jitter) {
   Finding f;
   f.effect = "sys_jitter";
@@ -93,11 +110,9 @@ Finding finding_of(const Signals& s, const std::vector<TimedRows>& sensors, cons
       for (const char* axis : kAxisName) f.channels.push_back(std::string(kSensorName[r.sensor]) + "_" + axis);
     if (gain <= largest) continue;
     largest = gain;
-    double before = 0.0, floor = 0.0;
-    for (std::size_t i = 0; i < r.at.size(); ++i) before += r.along[i] * r.along[i], floor += r.noise[i];
-    const double n = std::max<double>(static_cast<double>(r.at.size()), 1.0);
-    f.held_out.rms_before = std::sqrt(before / n);
-    f.held_out.rms_after = f.held_out.noise_floor = std::sqrt(floor / n);
+    const MeanSquares m = mean_squares(r);
+    f.held_out.rms_before = std::sqrt(m.along);
+    f.held_out.rms_after = f.held_out.noise_floor = std::sqrt(m.noise);
     f.held_out.unit = kSensorUnit[r.sensor];
   }
   f.parameters = {{"sd", jitter.sd_s, {jitter.sd_s - jitter.half_s, jitter.sd_s + jitter.half_s}, "s"}};
@@ -111,27 +126,60 @@ Finding finding_of(const Signals& s, const std::vector<TimedRows>& sensors, cons
 }
 
 /// Takes what the rows are late, by these sensors, out of all residuals, in the place of what was taken out before.
-void set_right(Signals& s, const std::vector<TimedRows>& sensors, const std::array<Series3, kSensors>& y) {
-  Series late_s = lateness_of(s, sensors, y, s.jitter_sd_s);
+void set_right(Signals& s, const std::vector<TimedRows>& sensors, const std::array<Seen, kSensors>& seen) {
+  const Series late_s = lateness_of(s, sensors, seen, s.jitter_sd_s);
   for (const Sensor k : {kAcc, kGyr, kMag}) {
-    if (!s.compared(k)) continue;
-    if (s.late_s.size() > 0) s.residual[k] += effect_of_lateness(s, k, s.late_s);
-    s.residual[k] -= effect_of_lateness(s, k, late_s);
+    if (seen[k].vector.rows() == 0) continue;
+    if (s.by_times[k].rows() > 0) s.residual[k] += s.by_times[k];
+    s.by_times[k] = effect_of_lateness(s, seen[k].vector, late_s);
+    s.residual[k] -= s.by_times[k];
   }
-  s.late_s = std::move(late_s);
 }
 
-}  // namespace
-
-void find_jitter(Signals& s, const sim::SimulationConfig& given, Answer& answer) {
+/// Rows in motion of each sensor; `sd_s`: of their times.
+std::vector<TimedRows> timed_rows(const Signals& s, const std::array<Seen, kSensors>& seen, double sd_s) {
   std::vector<TimedRows> sensors;
   for (const Sensor k : {kAcc, kGyr, kMag})
-    if (s.compared(k))
-      if (TimedRows r = rows_of(s, k, s.residual[k], 0.0); r.at.size() > kLeastInMotion)
-        sensors.push_back(std::move(r));
+    if (seen[k].vector.rows() > 0)
+      if (TimedRows r = rows_of(s, k, seen[k], sd_s); r.at.size() > kLeastInMotion) sensors.push_back(std::move(r));
+  return sensors;
+}
+
+std::array<Seen, kSensors> seen_as_predicted(const Signals& s) {
+  std::array<Seen, kSensors> out;
+  for (const Sensor k : {kAcc, kGyr, kMag})
+    if (s.compared(k)) out[k] = {s.vector[k], s.residual[k]};
+  return out;
+}
+
+bool holds_a_law(const EngineResult& found) {
+  return !found.system.empty() || std::any_of(found.sensor.begin(), found.sensor.end(),
+                                              [](const auto& search) { return search && !search->found.empty(); });
+}
+
+/// With the laws that were found, of residuals that have changed since, and without what the rows' times do.
+std::array<Seen, kSensors> seen_with_laws(const Signals& s, const EngineResult& found,
+                                          const std::array<Series3, kSensors>& searched) {
+  std::array<Seen, kSensors> out;
+  for (const Sensor k : {kAcc, kGyr, kMag}) {
+    if (!found.sensor[k]) continue;
+    Target t = found.sensor[k]->target;
+    t.residual += s.residual[k] - searched[k];
+    const Series3 left = fit_profile(t, found.sensor[k]->explained()).leftover;
+    out[k] = {s.vector[k], left};
+    // A clock that is wrong by a part of a second shows another moment's derivative.
+    if (!vector_is_reading(s, k)) out[k].vector += s.residual[k] - left;
+    if (s.by_times[k].rows() > 0) out[k].deviation += s.by_times[k];
+  }
+  return out;
+}
+
+bool find_jitter_in(const std::array<Seen, kSensors>& seen, Signals& s, const sim::SimulationConfig& given,
+                    Answer& answer) {
+  std::vector<TimedRows> sensors = timed_rows(s, seen, 0.0);
   Jitter jitter = most_likely(sensors);
-  if (jitter.gain_nats < kLeastNats) return;
-  for (TimedRows& r : sensors) r = rows_of(s, r.sensor, s.residual[r.sensor], jitter.sd_s);
+  if (jitter.gain_nats < kLeastNats) return false;
+  for (TimedRows& r : sensors) r = rows_of(s, r.sensor, seen[r.sensor], jitter.sd_s);
   jitter = most_likely(sensors);
   // The field of a place may jump by itself: the magnetometer alone is no witness of the clock.
   double witnessed = 0.0;
@@ -142,39 +190,42 @@ void find_jitter(Signals& s, const sim::SimulationConfig& given, Answer& answer)
     witnessed += gain, ++inertial, witnesses += gain > kWitness;
   }
   // One sensor's noise may grow with its motion by itself.
-  if (witnessed < kLeastNats || witnesses < inertial) return;
+  if (witnessed < kLeastNats || witnesses < inertial) return false;
   for (const TimedRows& r : sensors) {
     const double gain = gain_of(r, jitter.sd_s);
     // One clock for all; a magnetometer often has one of its own.
     const double due = r.sensor == kMag ? 0.0 : kLeastOfExpected * expected_gain(r, jitter.sd_s);
-    if (gain < kContradiction + due || (gain > kTellsMemory_nats && std::abs(memory_of(r)) > kWhite)) return;
+    if (gain < kContradiction + due || (gain > kTellsMemory_nats && std::abs(memory_of(r)) > kWhite)) return false;
   }
   if (!contains(given.effects, "sys_jitter")) {
     answer.diagnosis.findings.push_back(finding_of(s, sensors, jitter));
     answer.effects.push_back({.id = "sys_jitter", .parameters = {{"sd_s", {jitter.sd_s}}}, .axes = {}, .window_s = {}});
   }
   s.jitter_sd_s = jitter.sd_s;
-  set_right(s, sensors, s.residual);
+  set_right(s, sensors, seen);
+  return true;
+}
+
+}  // namespace
+
+void find_jitter(Signals& s, const sim::SimulationConfig& given, Answer& answer) {
+  find_jitter_in(seen_as_predicted(s), s, given, answer);
+}
+
+bool find_jitter_beside(const EngineResult& found, Signals& s, const sim::SimulationConfig& given, Answer& answer) {
+  if (s.jitter_sd_s > 0.0 || !holds_a_law(found)) return false;
+  const auto seen = seen_with_laws(s, found, s.residual);
+  const std::vector<TimedRows> sensors = timed_rows(s, seen, 0.0);
+  return std::any_of(sensors.begin(), sensors.end(), stands_out) && find_jitter_in(seen, s, given, answer);
 }
 
 bool time_rows_again(Signals& s, const EngineResult& found) {
-  if (s.late_s.size() == 0) return false;
-  bool any = !found.system.empty();
-  for (const auto& search : found.sensor) any = any || (search && !search->found.empty());
-  if (!any) return false;
+  const bool timed = std::any_of(s.by_times.begin(), s.by_times.end(), [](const Series3& x) { return x.rows() > 0; });
+  if (!timed || !holds_a_law(found)) return false;
   const std::array<Series3, kSensors> searched = s.residual;
   for (int fit = 0; fit < kFits; ++fit) {
-    std::vector<TimedRows> sensors;
-    std::array<Series3, kSensors> y;
-    for (const Sensor k : {kAcc, kGyr, kMag}) {
-      if (!found.sensor[k]) continue;
-      Target t = found.sensor[k]->target;
-      t.residual += s.residual[k] - searched[k];
-      y[k] = fit_profile(t, found.sensor[k]->explained()).leftover + effect_of_lateness(s, k, s.late_s);
-      if (TimedRows r = rows_of(s, k, y[k], s.jitter_sd_s); r.at.size() > kLeastInMotion)
-        sensors.push_back(std::move(r));
-    }
-    set_right(s, sensors, y);
+    const auto seen = seen_with_laws(s, found, searched);
+    set_right(s, timed_rows(s, seen, s.jitter_sd_s), seen);
   }
   return true;
 }

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
 #include <numeric>
 #include <utility>
 
@@ -98,6 +99,27 @@ void tell_swings(const Signals& s, const SensorSearch& search, const Finished& f
       "{}: the body vibrates where the reference cannot see it, or the sensor makes a line of varying frequency. "
       "Switch off what turns nearby, or record its speed, and the sensor at a higher rate",
       kSensorName[search.sensor]));
+}
+
+void tell_left_in_motion(const Signals& s, const SensorSearch& search, const Finished& finished, Diagnosis& out) {
+  constexpr double kFar = 5.0, kLeastOfEach = 200.0;
+  const Sensor k = search.sensor;
+  if (!s.exact_reference || s.unresolved[k] || !(s.noise_sd[k] > 0)) return;
+  double moving = 0.0, square_moving = 0.0, resting = 0.0, square_resting = 0.0;
+  for (Eigen::Index i = 0; i < search.target.layout.n; ++i) {
+    const double rows = search.target.layout.counts[i],
+                 square = rows * finished.fit.leftover.row(i).squaredNorm() / 3.0;
+    const bool rests = s.rest[static_cast<std::size_t>(i)];
+    (rests ? resting : moving) += rows, (rests ? square_resting : square_moving) += square;
+  }
+  if (moving < kLeastOfEach) return;
+  const double lattice = s.lattice_step[k] / std::sqrt(12.0);
+  const double noise =
+      std::max(std::hypot(s.noise_sd[k], lattice), resting < kLeastOfEach ? 0.0 : std::sqrt(square_resting / resting));
+  const double times = std::sqrt(square_moving / moving) / noise;
+  if (times < kFar) return;
+  out.unaccounted.push_back(fmt::format(
+      "{} in motion is off by {:.2g} times what it is at rest, beside all that was found", kSensorName[k], times));
 }
 
 }  // namespace stillpoint::diag

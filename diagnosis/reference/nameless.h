@@ -1,4 +1,4 @@
-/// Findings that no law explains: what switches, drifts, wanders at rest or swings there.
+/// What no law explains: what switches, drifts, wanders at rest or swings there, or is left in motion.
 #pragma once
 #include <string>
 
@@ -26,5 +26,9 @@ void without_noise_of(Sensor k, Diagnosis& out);
 
 /// What swings at rest is no white noise that the simulation could have: told in words, and taken out of the noise.
 void tell_swings(const Signals& s, const SensorSearch& search, const Finished& finished, Diagnosis& out);
+
+/// Beside an exact reference, a sensor that moves is as quiet as one that rests once all is found: else a cause is
+/// left.
+void tell_left_in_motion(const Signals& s, const SensorSearch& search, const Finished& finished, Diagnosis& out);
 
 }  // namespace stillpoint::diag

@@ -15,10 +15,9 @@ constexpr double kLeastSlope = 0.5;  // of a millisecond's change over the noise
 constexpr double kAcross_s = 1.0;    // noise across the derivative is averaged over twice this
 
 /// What a bias, a matrix, a delay and smooth curves explain, a column each, the same for every axis.
-Eigen::MatrixXd smooth_design(const Signals& s, Sensor k, const Series3& slope) {
+Eigen::MatrixXd smooth_design(const Signals& s, const Series3& v, const Series3& slope) {
   const WalkBasis walk = walk_basis(s);
   const Eigen::Index terms = std::min<Eigen::Index>(walk->cols(), 16);
-  const Series3& v = s.vector[k];
   Eigen::MatrixXd design(s.n, 10 + terms);
   design << Eigen::VectorXd::Ones(s.n), v, slope, v.cwiseAbs2(), walk->leftCols(terms);
   for (Eigen::Index c = 0; c < design.cols(); ++c) design.col(c) /= std::max(design.col(c).norm(), 1e-12);
@@ -68,15 +67,15 @@ Vec3 quiet_variance(const Series3& left, const Series3& slope, const Mask& muted
 }
 
 /// `variance`: of each axis.
-TimedRows rows_beside(const Signals& s, Sensor k, const Series3& y, const Vec3& variance, double sd_s) {
+TimedRows rows_beside(const Signals& s, Sensor k, const Seen& seen, const Vec3& variance, double sd_s) {
   TimedRows rows;
   rows.sensor = k;
-  const Series3 slope = at_rest_zero(s, derivative(s.vector[k], s.rows));
-  const Series3 left = beside(y, s.muted[k], smooth_design(s, k, slope), slope, variance, sd_s);
+  const Series3 slope = at_rest_zero(s, derivative(seen.vector, s.rows));
+  const Series3 left = beside(seen.deviation, s.muted[k], smooth_design(s, seen.vector, slope), slope, variance, sd_s);
   const Vec3 quiet2 = quiet_variance(left, slope, s.muted[k]);
   Series across = Series::Zero(s.n), counted = across, along = across, quiet_along = across;
   for (Eigen::Index i = 0; i < s.n; ++i) {
-    const Vec3 d = slope.row(i), v = s.vector[k].row(i), r = left.row(i);
+    const Vec3 d = slope.row(i), v = seen.vector.row(i), r = left.row(i);
     if (s.muted[k][static_cast<std::size_t>(i)] || 1e-3 * d.norm() < 1e-2 * kLeastSlope * s.noise_sd[k]) continue;
     // Errors of the orientation turn the vector: they are alike along the derivative and across both.
     const Vec3 n = v.cross(d);
@@ -112,18 +111,19 @@ Series deviations(const Signals& s, const std::vector<TimedRows>& sensors, doubl
 }
 
 /// As many white deviations have a mean of their own, which is no delay. 0 where it is more than they have.
-double mean_of(const Signals& s, const std::vector<TimedRows>& sensors, const std::array<Series3, kSensors>& y,
+double mean_of(const Signals& s, const std::vector<TimedRows>& sensors, const std::array<Seen, kSensors>& seen,
                double sd_s) {
   double information = 0.0, evidence = 0.0;
   std::size_t rows = 0;
   for (const TimedRows& r : sensors) {
+    const Series3& v = seen[r.sensor].vector;
     Eigen::MatrixXd design(s.n, 4);
-    design << Eigen::VectorXd::Ones(s.n), s.vector[r.sensor];
-    const Series3 slope = at_rest_zero(s, derivative(s.vector[r.sensor], s.rows));
+    design << Eigen::VectorXd::Ones(s.n), v;
+    const Series3 slope = at_rest_zero(s, derivative(v, s.rows));
     const auto free_of_it = [&](const Series3& x) {
       return beside(x, s.muted[r.sensor], design, slope, Vec3::Ones(), 0.0);
     };
-    const Series3 left = free_of_it(y[r.sensor]), own = free_of_it(slope);
+    const Series3 left = free_of_it(seen[r.sensor].deviation), own = free_of_it(slope);
     for (const Eigen::Index i : r.at) {
       information += own.row(i).squaredNorm() / r.variance.mean();
       evidence += left.row(i).dot(own.row(i)) / r.variance.mean();
@@ -136,10 +136,10 @@ double mean_of(const Signals& s, const std::vector<TimedRows>& sensors, const st
 
 }  // namespace
 
-TimedRows rows_of(const Signals& s, Sensor k, const Series3& y, double sd_s) {
-  TimedRows rows = rows_beside(s, k, y, Vec3::Ones(), 0.0);
+TimedRows rows_of(const Signals& s, Sensor k, const Seen& seen, double sd_s) {
+  TimedRows rows = rows_beside(s, k, seen, Vec3::Ones(), 0.0);
   const Vec3 variance = rows.variance.cwiseMax(1e-6 * rows.variance.maxCoeff());  // an axis that never reads otherwise
-  return sd_s > 0.0 ? rows_beside(s, k, y, variance, sd_s) : rows;
+  return sd_s > 0.0 ? rows_beside(s, k, seen, variance, sd_s) : rows;
 }
 
 double most_of_a_mean_s(double sd_s, double rows) {
@@ -147,19 +147,18 @@ double most_of_a_mean_s(double sd_s, double rows) {
   return kDeviations * sd_s / std::sqrt(rows);
 }
 
-Series lateness_of(const Signals& s, const std::vector<TimedRows>& sensors, const std::array<Series3, kSensors>& y,
+Series lateness_of(const Signals& s, const std::vector<TimedRows>& sensors, const std::array<Seen, kSensors>& seen,
                    double sd_s) {
   Series late_s = deviations(s, sensors, sd_s);
-  std::array<Series3, kSensors> left = y;
-  for (const TimedRows& r : sensors) left[r.sensor] -= effect_of_lateness(s, r.sensor, late_s);
+  std::array<Seen, kSensors> left = seen;
+  for (const TimedRows& r : sensors) left[r.sensor].deviation -= effect_of_lateness(s, seen[r.sensor].vector, late_s);
   late_s.array() += mean_of(s, sensors, left, sd_s);
   return late_s;
 }
 
-Series3 effect_of_lateness(const Signals& s, Sensor k, const Series& late_s) {
-  const Series3& v = s.vector[k];
-  return late_s.asDiagonal() * at_rest_zero(s, derivative(v, s.rows)) +
-         0.5 * late_s.cwiseAbs2().asDiagonal() * at_rest_zero(s, second_derivative(v, s.rows));
+Series3 effect_of_lateness(const Signals& s, const Series3& vector, const Series& late_s) {
+  return late_s.asDiagonal() * at_rest_zero(s, derivative(vector, s.rows)) +
+         0.5 * late_s.cwiseAbs2().asDiagonal() * at_rest_zero(s, second_derivative(vector, s.rows));
 }
 
 }  // namespace stillpoint::diag

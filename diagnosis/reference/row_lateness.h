@@ -7,6 +7,11 @@
 
 namespace stillpoint::diag {
 
+/// What a sensor saw, as far as it is known, and what its readings deviate from that.
+struct Seen {
+  Series3 vector, deviation;  ///< empty: the sensor is not compared
+};
+
 /// One sensor's rows in motion, in units of its noise.
 struct TimedRows {
   Sensor sensor = kAcc;
@@ -15,19 +20,18 @@ struct TimedRows {
   Vec3 variance = Vec3::Zero();             ///< of each axis, in the mean over the rows
 };
 
-/// What bias, matrix, a delay and smooth curves leave of `y`, a sensor's residual, where rows deviate in time by
-/// `sd_s`.
-[[nodiscard]] TimedRows rows_of(const Signals& s, Sensor k, const Series3& y, double sd_s);
+/// What bias, matrix, a delay and smooth curves leave of a sensor's deviation, where rows deviate in time by `sd_s`.
+[[nodiscard]] TimedRows rows_of(const Signals& s, Sensor k, const Seen& seen, double sd_s);
 
 /// So many white deviations have a mean of their own, s, which is no delay: at most this.
 [[nodiscard]] double most_of_a_mean_s(double sd_s, double rows);
 
-/// How late each row is, s, by `y` of each of the sensors, a residual that nothing else is in: the likeliest white
-/// deviation of `sd_s`, and the mean that so many of them have.
+/// How late each row is, s, by the deviations of the sensors, which nothing else is in: the likeliest white one of
+/// `sd_s`, and the mean that so many of them have.
 [[nodiscard]] Series lateness_of(const Signals& s, const std::vector<TimedRows>& sensors,
-                                 const std::array<Series3, kSensors>& y, double sd_s);
+                                 const std::array<Seen, kSensors>& seen, double sd_s);
 
-/// What rows that are so late, s, add to the residual, to the second order.
-[[nodiscard]] Series3 effect_of_lateness(const Signals& s, Sensor k, const Series& late_s);
+/// What rows that are so late, s, add to the readings of this vector, to the second order.
+[[nodiscard]] Series3 effect_of_lateness(const Signals& s, const Series3& vector, const Series& late_s);
 
 }  // namespace stillpoint::diag

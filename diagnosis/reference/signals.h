@@ -34,8 +34,8 @@ struct Signals {
   bool exact_reference = false;  ///< its jitter at rest and its rounding are far below what would disturb the residual
   bool reference_wanders = false;  ///< slowly; what the sensors agree about of it is taken out
   bool has_rest = false;
-  double jitter_sd_s = 0.0;  ///< of the times of the rows, where they are white deviations
-  Series late_s;             ///< what each row is late by them, taken out of the residuals; empty: nothing
+  double jitter_sd_s = 0.0;                ///< of the times of the rows, where they are white deviations
+  std::array<Series3, kSensors> by_times;  ///< what they do, taken out of the residuals; empty: nothing
   double reference_jitter_rad = 0.0;
   double gravity_mps2 = 9.80665, latitude_rad = 0.85;
   Vec3 field_world_uT = Vec3::Zero();

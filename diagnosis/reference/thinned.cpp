@@ -45,6 +45,7 @@ Signals thinned(const Signals& s, Eigen::Index factor) {
   for (auto& [name, x] : out.user) x = means_of_rows(x, factor);
   for (Mask& m : out.muted) m = merged(m, factor);
   out.rest = merged(s.rest, factor);
+  out.by_times.fill({});  // means of rows are not timed again
   return out;
 }
 

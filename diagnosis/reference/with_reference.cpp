@@ -11,6 +11,7 @@
 #include "diagnosis/reference/apparatus.h"
 #include "diagnosis/reference/findings.h"
 #include "diagnosis/reference/given_effects.h"
+#include "diagnosis/reference/jitter.h"
 #include "diagnosis/reference/lines_in_readings.h"
 #include "diagnosis/reference/slow_look.h"
 #include "diagnosis/reference/surplus.h"
@@ -130,14 +131,11 @@ Eigen::Index thinning_of(const Signals& s, Eigen::Index merged) {
       1, static_cast<Eigen::Index>(std::min(static_cast<double>(rows) / kMostSamples, kFastEnough_s / step_s)));
 }
 
-/// What these rows show, of the catalogue and outside of it.
-EngineResult searched(Signals& s, const std::vector<std::string>& without, std::size_t twins,
-                      const std::function<void(double)>& progress, Answer& answer) {
-  EngineResult engine = search_all(s, without, progress);
+/// Lets go what twins show as well, and looks outside the catalogue.
+void judge_and_discover(const Signals& s, std::size_t twins, EngineResult& engine, Answer& answer) {
   if (twins > 0)
     for (auto& line : gate_by_twins(s, engine, twins)) answer.diagnosis.notices.push_back(std::move(line));
   discover(s, engine);
-  return engine;
 }
 
 /// Whoever sees an effect of the whole clock best speaks first.
@@ -168,6 +166,7 @@ Answer diagnose_with_reference(const ReferencedRows& rows, const sim::Simulation
   for (std::size_t k = 0; k < kSensors; ++k)
     if (forensics.sensor[k].quantised) s.lattice_step[k] = forensics.sensor[k].lattice_step.maxCoeff();
   mute_lattice_at_rest(s);
+  set_reference_on_time(s, simulation.reference);
   const std::vector<sim::EffectConfig> given = without_surplus(s, simulation.effects, answer);
   for (const std::string& id : subtract_effects(s, given))
     if (!shows_in_raw_values(id))
@@ -186,9 +185,12 @@ Answer diagnose_with_reference(const ReferencedRows& rows, const sim::Simulation
   take_out_wandering(s, answer);
   find_jitter(s, simulation, answer);
   if (factor > 1) s = thinned(s, factor);
-  const EngineResult engine = searched(s, without, twins, progress, answer);
+  EngineResult engine = search_all(s, without, progress);
+  if (factor == 1 && find_jitter_beside(engine, s, simulation, answer)) engine = search_all(s, without, progress);
+  judge_and_discover(s, twins, engine, answer);
   std::optional<Signals> slow = slow_rows(s);
-  EngineResult in_slow_rows = slow ? searched(*slow, without, twins, {}, answer) : EngineResult{};
+  EngineResult in_slow_rows = slow ? search_all(*slow, without, {}) : EngineResult{};
+  if (slow) judge_and_discover(*slow, twins, in_slow_rows, answer);
   keep_what_is_slow(in_slow_rows);
   const std::size_t kept = answer.diagnosis.findings.size();
   for (const Sensor k : speaking_order(engine)) {
@@ -201,6 +203,7 @@ Answer diagnose_with_reference(const ReferencedRows& rows, const sim::Simulation
   for (const Sensor k : {kAcc, kGyr, kMag})
     if (engine.sensor[k]) report_surplus_walk(*engine.sensor[k], s, given, answer);
   keep_what_was_right(simulation.effects, answer);
+  leave_to_the_reference(s, answer);
   std::stable_sort(answer.diagnosis.findings.begin() + static_cast<std::ptrdiff_t>(kept),
                    answer.diagnosis.findings.end(),
                    [](const Finding& a, const Finding& b) { return a.held_out.gain_nats > b.held_out.gain_nats; });

@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 
 #include <cmath>
+#include <random>
 
 #include "tests/diagnosis/simulated.h"
 
@@ -105,6 +106,43 @@ TEST(ReferenceHypotheses, ALawBesideAJitterHasItsWholeSize) {
   ASSERT_NE(law, nullptr);
   EXPECT_NEAR(law->parameters[0].value, 1e-3, 3e-5);
   EXPECT_NEAR(law->parameters[1].value, 5e-4, 3e-5);
+}
+
+/// A clock that is wrong too makes neighbours late by the same, and shows another moment's derivative: 40 ms at the
+/// end. By chance the jitter itself is a rate of 1.2e-7.
+TEST(ReferenceHypotheses, AJitterBesideAWrongClockIsFound) {
+  const auto config = good_gyroscope();
+  const std::vector<std::pair<std::string, test::Parameters>> clocks{{"sys_skew", {{"eps_ppm", {400.0}}}},
+                                                                     {"sys_gap", {{"n", {2.0}}, {"t0_s", {40.0}}}}};
+  for (const auto& [id, parameters] : clocks) {
+    auto sensor = config;
+    sensor.effects.push_back({.id = id, .parameters = parameters, .axes = {}, .window_s = {}});
+    const Answer answer = diagnose(test::record(sensor, "sys_jitter", {{"sd_s", {5e-4}}}, 5), config);
+    ASSERT_THAT(test::names(answer), testing::ElementsAre("sys_jitter", id)) << answer.diagnosis.summary;
+    EXPECT_NEAR(finding(answer, "sys_jitter")->parameters[0].value, 5e-4, 2e-5);
+    EXPECT_THAT(answer.diagnosis.unaccounted, testing::IsEmpty()) << id;
+    EXPECT_LT(residual_rms(answer, "gyr_x"), 1.5 * config.gyroscope->noise_sd) << id;
+    if (id != "sys_skew") continue;
+    const Parameter& rate = finding(answer, id)->parameters[0];
+    EXPECT_NEAR(rate.value, 4e-4, 4e-7);
+    EXPECT_NEAR(rate.ci95[1] - rate.value, 2.4e-7, 5e-8);
+  }
+}
+
+/// Beside an exact reference nothing but noise is left when all is found: what grows with the motion has a cause.
+TEST(ReferenceHypotheses, WhatAMovingSensorIsOffByIsNotExplainedByTheNoise) {
+  const auto config = good_gyroscope();
+  io::Recording recording = test::record(config, "gyr_delay", {{"tau_s", {0.003}}}, 3);
+  const Answer whole = diagnose(recording, config);
+  EXPECT_EQ(whole.diagnosis.verdict, Verdict::kExplained) << whole.diagnosis.summary;
+  std::mt19937 random(1);
+  std::normal_distribution<double> normal(0.0, 0.01);
+  for (auto& w : recording.gyr_radps)
+    for (double& x : w) x *= 1.0 + normal(random);
+  const Answer answer = diagnose(recording, config);
+  EXPECT_EQ(answer.diagnosis.verdict, Verdict::kPartlyExplained);
+  EXPECT_THAT(answer.diagnosis.unaccounted, testing::ElementsAre(testing::HasSubstr("gyr in motion is off by ")))
+      << answer.diagnosis.summary;
 }
 
 /// No sensor is early: beside one that seems so, one that is later has so much of its own, and no more.
