@@ -20,7 +20,7 @@ constexpr double kWhite = 0.3;              // correlation of neighbours: a dela
 constexpr double kSlowest_s = 1e-6, kFastest_s = 2e-2;
 constexpr int kGrid = 80;
 constexpr std::size_t kLeastInMotion = 200;  // rows of a sensor, to say anything of its clock
-constexpr double kFarOverNoise = 3.0;  // beside laws: what a shift in time is wrong by is along the derivative too
+constexpr double kFarOverNoise = 2.0;  // beside laws: what a shift in time is wrong by is along the derivative too
 constexpr int kFits = 4;               // of laws and times, by turns: each leaves a third of a law's error or less
 
 double gain_of(const TimedRows& rows, double sd_s) {

@@ -274,6 +274,8 @@ Mask predict(Signals& s, const io::Recording& recording, Eigen::Index rows_a_fra
   wake_where_reference_moves(s.rest, m.rate, m.velocity, s.dt_s, quiet_reference);
   rest_where_reference_is_still(s.rest, s, m.rate, m.velocity, quiet_reference);
   wake_where_both_move(s.rest, s, m.rate);
+  if (const double jitter = rest_jitter(s, m.rate); jitter >= 0.0 && !quiet_reference)
+    wake_where_both_turn(s.rest, s, m.rate, jitter * s.dt_s);
   const double jitter = rest_jitter(s, m.rate);
   s.has_rest = jitter >= 0.0;
   s.reference_jitter_rad = s.has_rest ? jitter * s.dt_s : own_jitter;

@@ -1,7 +1,9 @@
 #include "diagnosis/reference/rest.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <vector>
 
 namespace stillpoint::diag {
 namespace {
@@ -121,6 +123,28 @@ void wake_where_both_move(Mask& rest, const Signals& s, const Series3& rate_radp
     const Series3 swings = read.rowwise() - read.colwise().mean();
     const double most = std::min(seen.squaredNorm(), swings.squaredNorm());
     return swings.cwiseProduct(seen).sum() > kMost * most + kSure * s.noise_sd[kGyr] * seen.norm();
+  });
+}
+
+void wake_where_both_turn(Mask& rest, const Signals& s, const Series3& rate_radps, double noise_rad) {
+  constexpr double kSure = 5.0, kAgree = 0.5;  // deviations of a turn between two frames; of the turn
+  if (!s.present[kGyr]) return;
+  const auto resting = [&rest](Eigen::Index i) { return rest[static_cast<std::size_t>(i)] != 0; };
+  std::array<std::vector<double>, 3> read;
+  for (Eigen::Index i = 0; i < s.n; ++i)
+    for (std::size_t axis = 0; axis < 3 && resting(i); ++axis)
+      read[axis].push_back(s.reading[kGyr](i, static_cast<Eigen::Index>(axis)));
+  if (read[0].empty()) return;
+  Eigen::RowVector3d typical;
+  for (std::size_t axis = 0; axis < 3; ++axis)
+    typical[static_cast<Eigen::Index>(axis)] =
+        quantile(Eigen::Map<const Series>(read[axis].data(), static_cast<Eigen::Index>(read[axis].size())), 0.5);
+  wake(rest, [&](Eigen::Index begin, Eigen::Index end) {
+    const Eigen::RowVector3d seen = rate_radps.middleRows(begin, end - begin).colwise().mean();
+    const Eigen::RowVector3d turns = s.reading[kGyr].middleRows(begin, end - begin).colwise().mean();
+    const double least = kSure * std::sqrt(2.0) * noise_rad / (static_cast<double>(end - begin) * s.dt_s);
+    const double off = std::min((seen - turns).norm(), (seen - turns + typical).norm());
+    return seen.norm() > least && off < kAgree * seen.norm();
   });
 }
 

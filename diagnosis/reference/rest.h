@@ -22,4 +22,8 @@ void wake_where_reference_moves(Mask& rest, const Series3& rate_radps, const Ser
 /// of what the gyroscope sees, is none: that is no noise of either.
 void wake_where_both_move(Mask& rest, const Signals& s, const Series3& rate_radps);
 
+/// A body that stops for a moment, but for a slow turn, is as quiet as at rest. Reference and gyroscope turn by the
+/// same there, against nothing or what the gyroscope reads in most rests; `noise_rad`: of the reference's attitudes.
+void wake_where_both_turn(Mask& rest, const Signals& s, const Series3& rate_radps, double noise_rad);
+
 }  // namespace stillpoint::diag

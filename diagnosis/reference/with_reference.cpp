@@ -24,6 +24,7 @@ namespace {
 constexpr double kShortestRecording_s = 20.0;
 constexpr Eigen::Index kLeastRows = 500;  // of a sensor, to say anything of it
 constexpr double kMostSamples = 16000.0;  // more are thinned by whole factors, down to the step below
+constexpr double kMostTimed = 32000.0;    // of rows that deviate in time: their means are not timed beside laws
 constexpr double kFastEnough_s = 0.0201;  // nothing that bodies do needs more than 50 Hz
 constexpr const char* kSeenSlowly =
     "{}: looked at in means over {:.1f} s, a row every {:.1f} s: what the reference errs by from row to row hides less "
@@ -123,12 +124,12 @@ bool enough_to_compare(Signals& s) {
   return any;
 }
 
-/// Of how many rows, `merged` each already, the mean is taken: of more than are needed.
-Eigen::Index thinning_of(const Signals& s, Eigen::Index merged) {
+/// Of how many rows, `merged` each already, the mean is taken: of more than `most`, which are needed.
+Eigen::Index thinning_of(const Signals& s, Eigen::Index merged, double most) {
   const Eigen::Index rows = s.n / merged;
   const double step_s = s.dt_s * static_cast<double>(merged);
   return std::max<Eigen::Index>(
-      1, static_cast<Eigen::Index>(std::min(static_cast<double>(rows) / kMostSamples, kFastEnough_s / step_s)));
+      1, static_cast<Eigen::Index>(std::min(static_cast<double>(rows) / most, kFastEnough_s / step_s)));
 }
 
 /// Lets go what twins show as well, and looks outside the catalogue.
@@ -176,7 +177,7 @@ Answer diagnose_with_reference(const ReferencedRows& rows, const sim::Simulation
   answer.diagnosis.findings = forensics.findings;
   answer.effects = forensics.effects;
   const Eigen::Index merged = s.exact_reference ? 1 : a_frame;
-  const Eigen::Index factor = thinning_of(s, merged);
+  Eigen::Index factor = thinning_of(s, merged, kMostSamples);
   find_lines_in_readings(s, merged * factor, without, answer);
   if (rows.log == nullptr) find_reference_error(s, recording, simulation, answer);
   // Between its frames a noisy reference knows nothing of its own: the rows of one frame are one.
@@ -184,6 +185,7 @@ Answer diagnose_with_reference(const ReferencedRows& rows, const sim::Simulation
   find_frame(s, simulation, answer);
   take_out_wandering(s, answer);
   find_jitter(s, simulation, answer);
+  if (s.jitter_sd_s > 0.0) factor = thinning_of(s, 1, kMostTimed);
   if (factor > 1) s = thinned(s, factor);
   EngineResult engine = search_all(s, without, progress);
   if (factor == 1 && find_jitter_beside(engine, s, simulation, answer)) engine = search_all(s, without, progress);

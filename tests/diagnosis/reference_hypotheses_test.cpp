@@ -129,6 +129,17 @@ TEST(ReferenceHypotheses, AJitterBesideAWrongClockIsFound) {
   }
 }
 
+/// Of 32 000 rows and more the laws are fitted to means, which have no times of their own.
+TEST(ReferenceHypotheses, ALawBesideAJitterIsFoundInALongRecording) {
+  auto config = good_gyroscope();
+  config.rate_hz = 200.0;
+  config.motion->duration_s = 165.0;
+  auto sensor = config;
+  sensor.effects.push_back({.id = "gyr_asym", .parameters = {{"k", {3e-3, 2e-3, 3e-3}}}, .axes = {}, .window_s = {}});
+  const Answer answer = diagnose(test::record(sensor, "sys_jitter", {{"sd_s", {4e-4}}}, 12), config);
+  EXPECT_THAT(test::names(answer), testing::ElementsAre("sys_jitter", "gyr_asym")) << answer.diagnosis.summary;
+}
+
 /// Beside an exact reference nothing but noise is left when all is found: what grows with the motion has a cause.
 TEST(ReferenceHypotheses, WhatAMovingSensorIsOffByIsNotExplainedByTheNoise) {
   const auto config = good_gyroscope();

@@ -74,5 +74,29 @@ TEST(Rest, WhoSwaysUnderANoisyCameraIsNotAtRestAndATableIs) {
   }
 }
 
+/// Half a second in which the body turns by 20 mrad/s, as quiet as at rest: the camera sees that, and does not take a
+/// wrong offset for it.
+TEST(Rest, AShortStopThatTurnsIsNoneUnlessTheGyroscopeAloneSaysSo) {
+  std::mt19937_64 random(4);
+  std::normal_distribution<double> normal;
+  for (const double camera : {0.02, 0.0}) {
+    Signals s;
+    s.n = kRows, s.dt_s = kDt_s;
+    s.present[kGyr] = true;
+    s.reading[kGyr] = Series3::Zero(kRows, 3);
+    s.reading[kGyr].col(0).segment(500, 50).setConstant(0.02);
+    Series3 seen = Series3::Zero(kRows, 3), angle = Series3::Zero(kRows + 2, 3);
+    for (double& x : angle.reshaped()) x = 5e-4 * normal(random);
+    for (Eigen::Index i = 0; i < kRows; ++i) seen.row(i) = (angle.row(i + 2) - angle.row(i)) / (2.0 * kDt_s);
+    seen.col(0).segment(500, 50).array() += camera;
+    Mask rest(kRows, 0);
+    for (const auto& [begin, end] : {std::pair{100, 300}, std::pair{500, 550}})
+      std::fill(rest.begin() + begin, rest.begin() + end, std::uint8_t{1});
+    wake_where_both_turn(rest, s, seen, 5e-4);
+    EXPECT_EQ(std::count(rest.begin(), rest.begin() + 400, 1), 200);
+    EXPECT_EQ(std::count(rest.begin() + 400, rest.end(), 1), camera > 0 ? 0 : 50);
+  }
+}
+
 }  // namespace
 }  // namespace stillpoint::diag
