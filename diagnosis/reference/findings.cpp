@@ -1,7 +1,6 @@
 #include "diagnosis/reference/findings.h"
 
 #include <fmt/format.h>
-#include <Eigen/LU>
 
 #include <algorithm>
 #include <cmath>
@@ -10,6 +9,7 @@
 #include "diagnosis/discovery/law_entry.h"
 #include "diagnosis/finding_effect.h"
 #include "diagnosis/reference/adequacy.h"
+#include "diagnosis/reference/clock_law.h"
 #include "diagnosis/reference/clock_of_rows.h"
 #include "diagnosis/reference/columns.h"
 #include "diagnosis/reference/curves.h"
@@ -20,7 +20,6 @@
 #include "diagnosis/reference/lines.h"
 #include "diagnosis/reference/nameless.h"
 #include "diagnosis/reference/remainder.h"
-#include "diagnosis/reference/row_lateness.h"
 #include "diagnosis/reference/steadiness.h"
 #include "diagnosis/reference/unrecorded.h"
 #include "diagnosis/reference/wandering_reference.h"
@@ -90,12 +89,11 @@ bool shows_nowhere(const SensorSearch& search, std::size_t index, const Finished
          (finished.values.segment(first, count).array().abs() < 3.0 * finished.sd.segment(first, count).array()).all();
 }
 
-/// A delay of less than the mean that rows have which are taken at random times.
-bool is_the_jitters_mean(const Signals& s, const SensorSearch& search, std::size_t index, const Finished& finished) {
-  const Found& f = search.found[index];
-  return s.jitter_sd_s > 0.0 && is_delay(f.id) && !f.window.local &&
-         std::abs(finished.values[first_column(search, index)]) <
-             most_of_a_mean_s(s.jitter_sd_s, search.target.layout.used());
+bool is_the_jitters_chance(const Signals& s, const SensorSearch& search, std::size_t index, const Finished& finished) {
+  constexpr double kDeviations = 4.0;
+  const Eigen::VectorXd chance = chance_by_jitter(s, search.found[index], search.target.layout);
+  const auto numbers = finished.values.segment(first_column(search, index), chance.size()).array();
+  return chance.size() > 0 && (numbers.abs() < kDeviations * chance.array()).all();
 }
 
 /// Why a law that was found is not stated, in words; empty: it is, with what it does on motion left out of its fit.
@@ -106,7 +104,7 @@ std::string why_not(const Signals& s, const SensorSearch& search, std::size_t in
   if (f.kind == Kind::kConfiguration) return "";
   if (shows_nowhere(search, index, finished))
     return "beside what else was found, none of its numbers is known from zero";
-  if (is_the_jitters_mean(s, search, index, finished)) return "so many deviations in time have a mean as large";
+  if (is_the_jitters_chance(s, search, index, finished)) return "so many deviations in time are as much by chance";
   if (const double chance = chance_of(search, f); chance > kByChance)
     return fmt::format("of as many hypotheses one fits as well by chance, once in {:.0f} recordings", 1.0 / chance);
   held_out = held_out_by_regime(search, {index});
@@ -166,34 +164,10 @@ void drop_whiles_of_a_camera(const Signals& s, SensorSearch& search, std::vector
   }
 }
 
-/// How late each row is, s, by each number of a timing law at one, a column each; none of a filter with two numbers.
-Eigen::MatrixXd lateness(const Signals& s, const Found& f) {
-  Eigen::MatrixXd late = Eigen::MatrixXd::Zero(s.n, f.timing.size() == 2 && f.id != "sys_skew" ? 0 : f.timing.size());
-  if (late.cols() == 0) return late;
-  const Eigen::Index begin = f.window.local ? f.window.begin : 0, end = f.window.local ? f.window.end : s.n;
-  late.col(0).segment(begin, end - begin).setOnes();
-  if (f.id != "sys_skew") return late;
-  late.col(0).setLinSpaced(0.0, s.duration_s());
-  if (late.cols() == 2) late.col(1) = integral(s.temperature_K, s.dt_s);
-  return late;
-}
-
-/// By how much a clock makes its sensor late, at most, s; infinite of a law that is none of a clock.
-double most_late(const Signals& s, const Found& f, const Eigen::VectorXd& numbers) {
-  const bool clock = is_delay(f.id) || f.id == "sys_skew";
-  return clock ? (lateness(s, f) * numbers).cwiseAbs().maxCoeff() : HUGE_VAL;
-}
-
-/// Rows that deviate at random in time are late by a clock as well, by chance.
 void widen_by_jitter(const Signals& s, const SensorSearch& search, Finished& finished) {
-  if (s.jitter_sd_s == 0.0) return;
   for (std::size_t i = 0; i < search.found.size(); ++i) {
-    if (search.found[i].kind != Kind::kTiming) continue;
-    const Eigen::MatrixXd late = lateness(s, search.found[i]);
-    if (late.cols() == 0) continue;
-    const Eigen::MatrixXd told = late.transpose() * search.target.layout.counts.matrix().asDiagonal() * late;
-    const Eigen::VectorXd chance = s.jitter_sd_s * told.inverse().diagonal().cwiseMax(0.0).cwiseSqrt();
-    auto sd = finished.sd.segment(first_column(search, i), late.cols()).array();
+    const Eigen::VectorXd chance = chance_by_jitter(s, search.found[i], search.target.layout);
+    auto sd = finished.sd.segment(first_column(search, i), chance.size()).array();
     sd = (sd.square() + chance.array().square()).sqrt();
   }
 }

@@ -20,7 +20,7 @@ constexpr double kWhite = 0.3;              // correlation of neighbours: a dela
 constexpr double kSlowest_s = 1e-6, kFastest_s = 2e-2;
 constexpr int kGrid = 80;
 constexpr std::size_t kLeastInMotion = 200;  // rows of a sensor, to say anything of its clock
-constexpr double kFarOverNoise = 2.0;  // beside laws: what a shift in time is wrong by is along the derivative too
+constexpr double kFarOverNoise = 1.5;  // beside laws: what a shift in time is wrong by is along the derivative too
 constexpr int kFits = 4;               // of laws and times, by turns: each leaves a third of a law's error or less
 
 double gain_of(const TimedRows& rows, double sd_s) {
@@ -213,7 +213,8 @@ void find_jitter(Signals& s, const sim::SimulationConfig& given, Answer& answer)
 }
 
 bool find_jitter_beside(const EngineResult& found, Signals& s, const sim::SimulationConfig& given, Answer& answer) {
-  if (s.jitter_sd_s > 0.0 || !holds_a_law(found)) return false;
+  const bool resolved = !s.unresolved[kAcc] && !s.unresolved[kGyr];
+  if (s.jitter_sd_s > 0.0 || !resolved || !holds_a_law(found)) return false;
   const auto seen = seen_with_laws(s, found, s.residual);
   const std::vector<TimedRows> sensors = timed_rows(s, seen, 0.0);
   return std::any_of(sensors.begin(), sensors.end(), stands_out) && find_jitter_in(seen, s, given, answer);

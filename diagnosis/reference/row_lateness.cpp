@@ -11,8 +11,9 @@
 namespace stillpoint::diag {
 namespace {
 
-constexpr double kLeastSlope = 0.5;  // of a millisecond's change over the noise: slower rows say nothing
-constexpr double kAcross_s = 1.0;    // noise across the derivative is averaged over twice this
+constexpr double kLeastSlope = 0.5;   // of a millisecond's change over the noise: slower rows say nothing
+constexpr double kMostOfAMean = 4.0;  // of its deviations: more is a delay
+constexpr double kAcross_s = 1.0;     // noise across the derivative is averaged over twice this
 
 /// What a bias, a matrix, a delay and smooth curves explain, a column each, the same for every axis.
 Eigen::MatrixXd smooth_design(const Signals& s, const Series3& v, const Series3& slope) {
@@ -131,7 +132,7 @@ double mean_of(const Signals& s, const std::vector<TimedRows>& sensors, const st
     rows = std::max(rows, r.at.size());
   }
   const double late_s = evidence / information;
-  return std::abs(late_s) < most_of_a_mean_s(sd_s, static_cast<double>(rows)) ? late_s : 0.0;
+  return std::abs(late_s) < kMostOfAMean * sd_s / std::sqrt(static_cast<double>(rows)) ? late_s : 0.0;
 }
 
 }  // namespace
@@ -140,11 +141,6 @@ TimedRows rows_of(const Signals& s, Sensor k, const Seen& seen, double sd_s) {
   TimedRows rows = rows_beside(s, k, seen, Vec3::Ones(), 0.0);
   const Vec3 variance = rows.variance.cwiseMax(1e-6 * rows.variance.maxCoeff());  // an axis that never reads otherwise
   return sd_s > 0.0 ? rows_beside(s, k, seen, variance, sd_s) : rows;
-}
-
-double most_of_a_mean_s(double sd_s, double rows) {
-  constexpr double kDeviations = 4.0;
-  return kDeviations * sd_s / std::sqrt(rows);
 }
 
 Series lateness_of(const Signals& s, const std::vector<TimedRows>& sensors, const std::array<Seen, kSensors>& seen,

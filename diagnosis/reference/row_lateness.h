@@ -23,9 +23,6 @@ struct TimedRows {
 /// What bias, matrix, a delay and smooth curves leave of a sensor's deviation, where rows deviate in time by `sd_s`.
 [[nodiscard]] TimedRows rows_of(const Signals& s, Sensor k, const Seen& seen, double sd_s);
 
-/// So many white deviations have a mean of their own, s, which is no delay: at most this.
-[[nodiscard]] double most_of_a_mean_s(double sd_s, double rows);
-
 /// How late each row is, s, by the deviations of the sensors, which nothing else is in: the likeliest white one of
 /// `sd_s`, and the mean that so many of them have.
 [[nodiscard]] Series lateness_of(const Signals& s, const std::vector<TimedRows>& sensors,
