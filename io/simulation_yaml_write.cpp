@@ -110,8 +110,10 @@ std::string format_simulation(const SimulationConfig& c) {
   };
   block("environment", emit(c.environment), emit(sim::EnvironmentConfig{}));
   block("timing", emit(c.timing), emit(sim::TimingConfig{}));
-  // Said at all, it is said again: a diagnosis holds the reference to it.
-  if (c.reference.stated)
+  // Said at all, it is said again: a diagnosis holds the reference to it. A latency alone says nothing of its errors.
+  sim::ReferenceConfig on_time = c.reference;
+  on_time.latency_s = 0.0;
+  if (c.reference.stated || emit(on_time) != emit(sim::ReferenceConfig{}))
     block("reference", emit(c.reference), {});
   else if (c.reference.latency_s != 0.0)
     out += fmt::format("reference: {{latency_s: {}}}\n", number(c.reference.latency_s));

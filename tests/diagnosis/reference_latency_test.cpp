@@ -58,6 +58,9 @@ TEST(ReferenceLatency, IsWrittenWithoutAWordOfTheErrors) {
   const auto again = test::parsed(io::format_simulation(config));
   EXPECT_EQ(again.reference.latency_s, 4e-4);
   EXPECT_FALSE(again.reference.stated);
+  config.reference.kind = "mocap";  // by a program: that is written, and is a word
+  EXPECT_EQ(test::parsed(io::format_simulation(config)).reference.kind, "mocap");
+  EXPECT_EQ(test::parsed(io::format_simulation(config)).reference.latency_s, 4e-4);
   EXPECT_TRUE(
       test::parsed("rate_hz: 50\ngyroscope: {noise_radps: 0.001}\nreference: {kind: exact}\n").reference.stated);
 }
