@@ -93,7 +93,7 @@ std::vector<Validation> validate(const std::string& file, const io::Recording& o
   static_cast<void>(subtract_effects(before, given.effects));
   static_cast<void>(subtract_effects(after, improved.effects));
   for (const Sensor k : {kAcc, kGyr, kMag}) {
-    if (!made->present[k] || made->residual[k].rows() == 0) continue;
+    if (!made->compared(k)) continue;
     const auto& mask = made->muted[k];
     if (std::count(mask.begin(), mask.end(), 0) < kLeastJudged) continue;
     out.push_back(judged(before, after, k));

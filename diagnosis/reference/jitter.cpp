@@ -174,9 +174,9 @@ std::array<Seen, kSensors> seen_with_laws(const Signals& s, const EngineResult& 
   return out;
 }
 
-bool find_jitter_in(const std::array<Seen, kSensors>& seen, Signals& s, const sim::SimulationConfig& given,
-                    Answer& answer) {
-  std::vector<TimedRows> sensors = timed_rows(s, seen, 0.0);
+/// `sensors`: their rows without a jitter.
+bool find_jitter_in(const std::array<Seen, kSensors>& seen, std::vector<TimedRows> sensors, Signals& s,
+                    const sim::SimulationConfig& given, Answer& answer) {
   Jitter jitter = most_likely(sensors);
   if (jitter.gain_nats < kLeastNats) return false;
   for (TimedRows& r : sensors) r = rows_of(s, r.sensor, seen[r.sensor], jitter.sd_s);
@@ -209,15 +209,17 @@ bool find_jitter_in(const std::array<Seen, kSensors>& seen, Signals& s, const si
 }  // namespace
 
 void find_jitter(Signals& s, const sim::SimulationConfig& given, Answer& answer) {
-  find_jitter_in(seen_as_predicted(s), s, given, answer);
+  const auto seen = seen_as_predicted(s);
+  find_jitter_in(seen, timed_rows(s, seen, 0.0), s, given, answer);
 }
 
 bool find_jitter_beside(const EngineResult& found, Signals& s, const sim::SimulationConfig& given, Answer& answer) {
   const bool resolved = !s.unresolved[kAcc] && !s.unresolved[kGyr];
   if (s.jitter_sd_s > 0.0 || !resolved || !holds_a_law(found)) return false;
   const auto seen = seen_with_laws(s, found, s.residual);
-  const std::vector<TimedRows> sensors = timed_rows(s, seen, 0.0);
-  return std::any_of(sensors.begin(), sensors.end(), stands_out) && find_jitter_in(seen, s, given, answer);
+  std::vector<TimedRows> sensors = timed_rows(s, seen, 0.0);
+  return std::any_of(sensors.begin(), sensors.end(), stands_out) &&
+         find_jitter_in(seen, std::move(sensors), s, given, answer);
 }
 
 bool time_rows_again(Signals& s, const EngineResult& found) {

@@ -1,7 +1,6 @@
 #include "diagnosis/reference/rest.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <vector>
 
@@ -129,16 +128,12 @@ void wake_where_both_move(Mask& rest, const Signals& s, const Series3& rate_radp
 void wake_where_both_turn(Mask& rest, const Signals& s, const Series3& rate_radps, double noise_rad) {
   constexpr double kSure = 5.0, kAgree = 0.5;  // deviations of a turn between two frames; of the turn
   if (!s.present[kGyr]) return;
-  const auto resting = [&rest](Eigen::Index i) { return rest[static_cast<std::size_t>(i)] != 0; };
-  std::array<std::vector<double>, 3> read;
+  std::vector<Eigen::Index> resting;
   for (Eigen::Index i = 0; i < s.n; ++i)
-    for (std::size_t axis = 0; axis < 3 && resting(i); ++axis)
-      read[axis].push_back(s.reading[kGyr](i, static_cast<Eigen::Index>(axis)));
-  if (read[0].empty()) return;
+    if (rest[static_cast<std::size_t>(i)]) resting.push_back(i);
+  if (resting.empty()) return;
   Eigen::RowVector3d typical;
-  for (std::size_t axis = 0; axis < 3; ++axis)
-    typical[static_cast<Eigen::Index>(axis)] =
-        quantile(Eigen::Map<const Series>(read[axis].data(), static_cast<Eigen::Index>(read[axis].size())), 0.5);
+  for (int axis = 0; axis < 3; ++axis) typical[axis] = quantile(Series(s.reading[kGyr](resting, axis)), 0.5);
   wake(rest, [&](Eigen::Index begin, Eigen::Index end) {
     const Eigen::RowVector3d seen = rate_radps.middleRows(begin, end - begin).colwise().mean();
     const Eigen::RowVector3d turns = s.reading[kGyr].middleRows(begin, end - begin).colwise().mean();

@@ -191,8 +191,11 @@ Answer diagnose_with_reference(const ReferencedRows& rows, const sim::Simulation
   if (factor == 1 && find_jitter_beside(engine, s, simulation, answer)) engine = search_all(s, without, progress);
   judge_and_discover(s, twins, engine, answer);
   std::optional<Signals> slow = slow_rows(s);
-  EngineResult in_slow_rows = slow ? search_all(*slow, without, {}) : EngineResult{};
-  if (slow) judge_and_discover(*slow, twins, in_slow_rows, answer);
+  EngineResult in_slow_rows;
+  if (slow) {
+    in_slow_rows = search_all(*slow, without, {});
+    judge_and_discover(*slow, twins, in_slow_rows, answer);
+  }
   keep_what_is_slow(in_slow_rows);
   const std::size_t kept = answer.diagnosis.findings.size();
   for (const Sensor k : speaking_order(engine)) {

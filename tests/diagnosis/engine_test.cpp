@@ -225,9 +225,8 @@ TEST(Engine, GivesACommonDelayToTheSystemAndALonelyOneToItsSensor) {
 
 /// A camera that is late by less than what the accelerometer and the magnetometer can see: no sensor is early.
 TEST(Engine, ASensorThatIsEarlyAloneStandsBesideAReferenceThatIsLate) {
-  auto config = baseline("mocap");
-  config.gyroscope->noise_sd = 1.5e-4, config.magnetometer->noise_sd = 1.0;
-  config.reference.orientation_sd_rad = 3e-4, config.reference.position_sd_m = 1e-3;
+  auto config = test::beside_a_good_camera();
+  config.reference.position_sd_m = 1e-3;
   const auto late = diagnose(record(config, "sys_offset", {{"tau_s", {-1.5e-4}}}, 9), config);
   EXPECT_THAT(names(late), testing::ElementsAre("sys_offset"));
   EXPECT_THAT(names(diagnose(record(baseline("exact"), "gyr_delay", {{"tau_s", {-0.005}}}, 9), baseline("exact"))),

@@ -158,9 +158,7 @@ TEST(ReferenceHypotheses, WhatAMovingSensorIsOffByIsNotExplainedByTheNoise) {
 
 /// No sensor is early: beside one that seems so, one that is later has so much of its own, and no more.
 TEST(ReferenceHypotheses, BesideALateReferenceASensorsOwnDelayIsWhatItHasBeyondTheOthers) {
-  auto config = test::baseline("mocap");
-  config.gyroscope->noise_sd = 1.5e-4, config.magnetometer->noise_sd = 1.0;
-  config.reference.orientation_sd_rad = 3e-4, config.reference.position_sd_m = 1e-4;
+  const auto config = test::beside_a_good_camera();
   auto sensor = config;
   sensor.effects.push_back({.id = "acc_delay", .parameters = {{"tau_s", {0.01}}}, .axes = {}, .window_s = {}});
   const Answer answer = diagnose(test::record(sensor, "sys_offset", {{"tau_s", {-4e-4}}}, 9), config);

@@ -8,21 +8,14 @@
 namespace stillpoint::diag {
 namespace {
 
-sim::SimulationConfig with_a_good_camera() {
-  auto config = test::baseline("mocap");
-  config.gyroscope->noise_sd = 1.5e-4, config.magnetometer->noise_sd = 1.0;
-  config.reference.orientation_sd_rad = 3e-4, config.reference.position_sd_m = 1e-4;
-  return config;
-}
-
 io::Recording beside_a_camera_late_by(double latency_s) {
-  auto config = with_a_good_camera();
+  auto config = test::beside_a_good_camera();
   config.reference.latency_s = latency_s;
   return test::record(config, "", {}, 9);
 }
 
 TEST(ReferenceLatency, IsInTheImprovedSimulationAsTheReferences) {
-  const auto config = with_a_good_camera();
+  const auto config = test::beside_a_good_camera();
   const io::Recording recording = beside_a_camera_late_by(4e-4);
   const Answer answer = diagnose(recording, config);
   EXPECT_THAT(test::names(answer), testing::ElementsAre("sys_offset")) << answer.diagnosis.summary;
@@ -33,7 +26,7 @@ TEST(ReferenceLatency, IsInTheImprovedSimulationAsTheReferences) {
 }
 
 TEST(ReferenceLatency, OfLessThanAnyRigIsGoodForIsNoMismatch) {
-  const auto config = with_a_good_camera();
+  const auto config = test::beside_a_good_camera();
   const io::Recording recording = beside_a_camera_late_by(8e-5);
   const Answer answer = diagnose(recording, config);
   EXPECT_THAT(test::names(answer), testing::IsEmpty()) << answer.diagnosis.summary;
@@ -43,7 +36,7 @@ TEST(ReferenceLatency, OfLessThanAnyRigIsGoodForIsNoMismatch) {
 }
 
 TEST(ReferenceLatency, AnExactReferenceHasNone) {
-  auto config = with_a_good_camera();
+  auto config = test::beside_a_good_camera();
   config.reference.kind = "exact";
   const Answer answer = diagnose(test::record(config, "sys_offset", {{"tau_s", {4e-4}}}, 9), config);
   EXPECT_EQ(answer.reference_latency_s, 0.0);

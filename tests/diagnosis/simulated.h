@@ -29,6 +29,14 @@ inline sim::SimulationConfig baseline(const std::string& reference, double durat
   return s;
 }
 
+/// Beside a camera of which little hides a good gyroscope.
+inline sim::SimulationConfig beside_a_good_camera() {
+  auto s = baseline("mocap");
+  s.gyroscope->noise_sd = 1.5e-4, s.magnetometer->noise_sd = 1.0;
+  s.reference.orientation_sd_rad = 3e-4, s.reference.position_sd_m = 1e-4;
+  return s;
+}
+
 /// A simulation as users write it.
 inline sim::SimulationConfig parsed(const std::string& yaml) {
   const auto config = io::parse_simulation(yaml, "sim.yaml");
