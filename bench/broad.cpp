@@ -10,6 +10,7 @@
 #include "bench/baselines.h"
 #include "bench/broad_run.h"
 #include "bench/broad_score.h"
+#include "core/units.h"
 #include "tests/source_folder.h"
 
 namespace stillpoint::bench {
@@ -97,7 +98,7 @@ Runner baseline(bool magnetometer) {
     std::vector<Quat> out;
     out.reserve(r.size());
     for (std::size_t i = 0; i < r.size(); ++i) {
-      const double dt_s = i == 0 ? 0.0 : kSecondsPerNs * static_cast<double>(r.t_ns[i] - r.t_ns[i - 1]);
+      const double dt_s = i == 0 ? 0.0 : in_seconds(r.t_ns[i] - r.t_ns[i - 1]);
       out.push_back(
           filter.step({r.acc_mps2[i], r.gyr_radps[i], magnetometer ? r.mag_uT[i] : Vec3(Vec3::Zero()), dt_s}));
     }

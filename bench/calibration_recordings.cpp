@@ -7,6 +7,7 @@
 #include "calib_online/gyro_matrix.h"
 #include "calib_online/online_calibrator.h"
 #include "calib_online/rest_detector.h"
+#include "core/units.h"
 #include "io/recording.h"
 
 namespace stillpoint::bench {
@@ -123,9 +124,9 @@ void ferraris(const std::string& folder, Figures& figures) {
     std::printf(
         "  turn ending at %5.1f s: %.2f before, %.2f after, sd %.2f (before %.2f); with its own turn too %.2f (gravity "
         "at its end %.2f %.2f %.2f)\n",
-        1e-9 * static_cast<double>(windows[k].t_start_ns - r->t_ns[0]), raw.norm() * kDegPerRad, after,
-        sd_rad.learnt * kDegPerRad, sd_rad.prior * kDegPerRad,
-        turned(*r, learn(windows).gyr, from, to).norm() * kDegPerRad, up.x(), up.y(), up.z());
+        in_seconds(windows[k].t_start_ns - r->t_ns[0]), raw.norm() * kDegPerRad, after, sd_rad.learnt * kDegPerRad,
+        sd_rad.prior * kDegPerRad, turned(*r, learn(windows).gyr, from, to).norm() * kDegPerRad, up.x(), up.y(),
+        up.z());
     double& worst = figures["ferraris.worst_sigma"];
     worst = std::max(worst, std::abs(after - 360.0) / (sd_rad.learnt * kDegPerRad));
   }

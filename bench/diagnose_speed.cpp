@@ -8,6 +8,7 @@
 #include <cmath>
 
 #include "bench/arguments.h"
+#include "bench/processor_time.h"
 #include "diagnosis/diagnose.h"
 #include "diagnosis/heap.h"
 #include "io/simulated_recording.h"
@@ -27,13 +28,6 @@ sim::SimulationConfig baseline(const std::string& reference, double minutes) {
   s.environment.current.kind = "steps";
   s.reference.kind = reference;
   return s;
-}
-
-double processor_s() {
-  rusage usage{};
-  getrusage(RUSAGE_SELF, &usage);
-  return static_cast<double>(usage.ru_utime.tv_sec + usage.ru_stime.tv_sec) +
-         1e-6 * static_cast<double>(usage.ru_utime.tv_usec + usage.ru_stime.tv_usec);
 }
 
 double peak_MB() {

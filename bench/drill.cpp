@@ -83,7 +83,7 @@ Run run_once(const DrillFault* fault, unsigned seed, Series series) {
     if (stages.process(row, p, link) == pipeline::StageStatus::kDrop) continue;
     const Truth* truth = truth_of[p.sample.sequence];
     if (truth == nullptr) continue;
-    const double t_s = kSecondsPerNs * static_cast<double>(truth->t_ns - zero_ns);
+    const double t_s = in_seconds(truth->t_ns - zero_ns);
     if (t_s < kFault.from_s) continue;
     const Judged j = judge(truth->q_world_body, p);
     const bool held = j.tilt_inside && j.heading_inside;
@@ -184,7 +184,7 @@ std::vector<Series> recorded_of(const Options& options) {
   for (PortfolioSet& set :
        recorded_sets(options.recordings, [&](const std::string& name) { return name == options.set; }))
     for (Series& series : set.series) {
-      const double length_s = kSecondsPerNs * static_cast<double>(series.rows.back().t_ns - series.rows.front().t_ns);
+      const double length_s = in_seconds(series.rows.back().t_ns - series.rows.front().t_ns);
       const auto truths = truths_by_row(series);
       const auto known = truths.size() - static_cast<std::size_t>(std::count(truths.begin(), truths.end(), nullptr));
       if (length_s > kFault.to_s + 30.0 && 2 * known > truths.size()) out.push_back(std::move(series));

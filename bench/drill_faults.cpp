@@ -14,9 +14,7 @@ using Triad = Array3 RawSample::*;
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
-double seconds(const Rows& rows, const RawSample& row) {
-  return kSecondsPerNs * static_cast<double>(row.t_ns - rows.front().t_ns);
-}
+double seconds(const Rows& rows, const RawSample& row) { return in_seconds(row.t_ns - rows.front().t_ns); }
 
 std::int64_t ns(double s) { return static_cast<std::int64_t>(1e9 * s); }
 
@@ -124,7 +122,7 @@ auto dropped(double probability) {
     std::uniform_real_distribution<double> uniform;
     const std::int64_t zero_ns = rows.front().t_ns;
     std::erase_if(rows, [&](const RawSample& row) {
-      const double t_s = kSecondsPerNs * static_cast<double>(row.t_ns - zero_ns);
+      const double t_s = in_seconds(row.t_ns - zero_ns);
       return when.holds(t_s) && uniform(random) < probability;
     });
   };
@@ -140,7 +138,7 @@ auto clock_step(double by_s) {
   return [by_s](Rows& rows, const Interval& when, Random&) {
     const std::int64_t zero_ns = rows.front().t_ns;
     for (RawSample& row : rows)
-      if (kSecondsPerNs * static_cast<double>(row.t_ns - zero_ns) >= when.from_s) row.t_ns += ns(by_s);
+      if (in_seconds(row.t_ns - zero_ns) >= when.from_s) row.t_ns += ns(by_s);
   };
 }
 

@@ -12,6 +12,7 @@
 
 #include "bench/arguments.h"
 #include "core/clock.h"
+#include "core/units.h"
 #include "io/dds_publisher.h"
 #include "io/dds_subscriber.h"
 #include "pipeline/clock.h"
@@ -98,16 +99,14 @@ bool measure(const Size& size, bool through_server, double limit_s, double rest_
   const std::int64_t start_ns = monotonic_ns();
   const Fleet fleet = start(size, through_server);
   const std::int64_t all_started_ns = monotonic_ns();
-  while (!fleet.has_met() && 1e-9 * static_cast<double>(monotonic_ns() - all_started_ns) < limit_s)
+  while (!fleet.has_met() && in_seconds(monotonic_ns() - all_started_ns) < limit_s)
     pipeline::sleep_until_ns(monotonic_ns() + kLook_ns);
   const std::int64_t met_ns = monotonic_ns();
   const Traffic met = traffic();
   const bool all = fleet.has_met();
   std::this_thread::sleep_for(std::chrono::duration<double>(rest_s));
   const Traffic rest = traffic();
-  const auto seconds = [](std::int64_t from_ns, std::int64_t to_ns) {
-    return 1e-9 * static_cast<double>(to_ns - from_ns);
-  };
+  const auto seconds = [](std::int64_t from_ns, std::int64_t to_ns) { return in_seconds(to_ns - from_ns); };
   const double rested_s = seconds(met_ns, monotonic_ns());
   fmt::print("| {} + {} | {} | {:.1f} s | {} | {} | {:.0f} | {:.0f} kB |\n", size.daemons,
              size.daemons * size.subscribers_each, through_server ? "server" : "each other",

@@ -16,6 +16,7 @@
 
 #include "bench/arguments.h"
 #include "core/clock.h"
+#include "core/units.h"
 #include "pipeline/clock.h"
 #include "tests/dds/network_namespace.h"
 #include "tests/dds/process.h"
@@ -169,7 +170,7 @@ int run_long(double hours, int rate_hz, const std::filesystem::path& folder) {
     out << fmt::format("{},{}\n", 1'000'000LL * k / rate_hz, reading_text(k));
   }
   out << std::flush;
-  const double end_kb = resident_kb(daemon.id()), took_s = 1e-9 * static_cast<double>(monotonic_ns() - start_ns);
+  const double end_kb = resident_kb(daemon.id()), took_s = in_seconds(monotonic_ns() - start_ns);
   std::this_thread::sleep_for(std::chrono::seconds(kSettle_s));
   daemon.send(SIGTERM);
   daemon.wait();

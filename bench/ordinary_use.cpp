@@ -62,7 +62,7 @@ void OrdinaryUse::step(const Vec3& rate_body_radps) {
   s.mag_uT = array(Vec3(R_body_world * kField_uT + random_.normal3(kMagNoise_uT)));
   s.temp_degC = Surroundings::kTold_degC;
   if (const auto window = detector_.push(s, calibrator_.snapshot())) calibrator_.absorb(*window);
-  if (const auto turn = turns_.push(s, 0, calibrator_.snapshot())) calibrator_.absorb(*turn);
+  if (const auto turn = turns_.push(s, 0, calibrator_.snapshot(), {})) calibrator_.absorb(*turn);
   q_world_body_ = (q_world_body_ * exp_quat(Vec3(kDt_s * rate))).normalized();
   t_s_ += kDt_s;
 }

@@ -6,6 +6,7 @@
 
 #include "core/calibration.h"
 #include "core/types.h"
+#include "core/units.h"
 #include "pipeline/smooth.h"
 #include "pipeline/stages.h"
 
@@ -76,7 +77,7 @@ void run_series(const Series& series, const pipeline::StagesParams& params, Way 
     for (; next < series.truths.size() && series.truths[next].t_ns < until_ns; ++next) {
       if (!any) continue;
       pipeline::Processed here = last;
-      const double ahead_s = 1e-9 * static_cast<double>(series.truths[next].t_ns - last.attitude.t_ns);
+      const double ahead_s = in_seconds(series.truths[next].t_ns - last.attitude.t_ns);
       const auto& e = last.attitude;
       const Quat q = quat(e.q_world_body) * exp_quat(ahead_s * vec(e.rate_body_radps));
       here.attitude.q_world_body = {q.w(), q.x(), q.y(), q.z()};

@@ -50,10 +50,10 @@ Series simulate(const Scenario& scenario, unsigned seed) {
     begun |= moved_s > 1.0;
     if (!begun) continue;
     series.rows.push_back(s.sample);
-    const double t_s = kSecondsPerNs * static_cast<double>(s.sample.t_ns);
+    const double t_s = in_seconds(s.sample.t_ns);
     if (t_s > 75.0)
       for (double& x : series.rows.back().gyr_radps) x += scenario.jump_radps;
-    const double from_start_s = kSecondsPerNs * static_cast<double>(s.sample.t_ns - series.rows.front().t_ns);
+    const double from_start_s = in_seconds(s.sample.t_ns - series.rows.front().t_ns);
     series.truths.push_back({s.sample.t_ns, s.true_q_world_body, from_start_s >= 5.0});
   }
   return series;

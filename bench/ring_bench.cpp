@@ -14,6 +14,7 @@
 #include <thread>
 
 #include "bench/allocations.h"
+#include "core/median.h"
 #include "core/spsc_ring.h"
 #include "core/types.h"
 
@@ -128,13 +129,6 @@ double two_threads_ns() {
   const auto end = std::chrono::steady_clock::now();
   echo.join();
   return std::chrono::duration<double, std::nano>(end - start).count() / (2 * kBatch);
-}
-
-double median(std::vector<double> values) {
-  if (values.empty()) return 0.0;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
 }
 
 /// Alternates between the two; every iteration is one batch of each.

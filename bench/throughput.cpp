@@ -2,7 +2,6 @@
 /// and a day at 200 Hz. Prints samples a second; `--json` for scripts; `--at-least N` ends with 1 when the stages are
 /// slower.
 #include <fmt/format.h>
-#include <sys/resource.h>
 
 #include <chrono>
 #include <cmath>
@@ -10,6 +9,7 @@
 
 #include "bench/arguments.h"
 #include "bench/hand_samples.h"
+#include "bench/processor_time.h"
 #include "io/config.h"
 #include "io/recording.h"
 #include "pipeline/stages.h"
@@ -19,12 +19,6 @@ namespace {
 
 constexpr double kRate_hz = 200.0;
 constexpr std::size_t kBlock = 12'000;  // a minute
-
-double processor_s() {
-  rusage usage{};
-  getrusage(RUSAGE_SELF, &usage);
-  return static_cast<double>(usage.ru_utime.tv_sec) + 1e-6 * static_cast<double>(usage.ru_utime.tv_usec);
-}
 
 /// The stages of `estimate` with its own calibrator.
 class Offline {

@@ -88,6 +88,12 @@ double FieldFilter::misfit_uT2(const Pair& pair) const noexcept {
   return std::max(0.0, left.squaredNorm() - turned(pair, field).trace());
 }
 
+void FieldFilter::compare_with_factory(double factory_uT2, double learnt_uT2) noexcept {
+  s_.factory_error = kMemory * s_.factory_error + factory_uT2;
+  s_.learnt_error = kMemory * s_.learnt_error + learnt_uT2;
+  ++s_.compared;
+}
+
 FieldFilter::Verdict FieldFilter::update(const Pair& pair) noexcept {
   const Vec3 z = pair.before_uT - pair.R * pair.after_uT;
   const Mat3 lever = Mat3::Identity() - pair.R;  // of c
@@ -109,11 +115,8 @@ FieldFilter::Verdict FieldFilter::update(const Pair& pair) noexcept {
   const double limit = kPairGate * S_first.trace() / 3.0;  // one gross misfit must not make the next ones look small
   const double misfit = std::min(e.squaredNorm(), limit);
   const Mat3 known = h * Ph;
-  if (known.trace() < kStillLearning * (S_first - known).trace()) {
-    s_.factory_error = kMemory * s_.factory_error + (rejected ? misfit : z.squaredNorm());
-    s_.learnt_error = kMemory * s_.learnt_error + misfit;
-    ++s_.compared;
-  }
+  if (known.trace() < kStillLearning * (S_first - known).trace())
+    compare_with_factory(rejected ? misfit : z.squaredNorm(), misfit);
   // (F5) The share of a misfit that is the pair's own and not that of the states.
   s_.misfit_uT2 += (1.0 - kMemory) * (misfit * own / S.trace() - s_.misfit_uT2);
   note_misfit(e, lever, rejected);

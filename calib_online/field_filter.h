@@ -54,7 +54,7 @@ class FieldFilter {
         0.0;  ///< of a pair, per axis, beyond its turn's and the states': noise and place, as seen lately
     double white_uT2 = 0.0;    ///< the part of it that is noise of the readings
     double strength_uT = 0.0;  ///< of the calibrated field, as seen lately
-    /// Squared misfit of the pairs per axis, fading: by the factory calibration and by ours before each update.
+    /// Squared length of the pairs' misfits in uT^2, fading: by the factory calibration and by ours before each update.
     double factory_error = 0.0, learnt_error = 0.0;
     std::uint32_t pairs = 0, compared = 0;
     /// The misfits of lately, and what of them a change of the carried field would explain (F6).
@@ -113,6 +113,8 @@ class FieldFilter {
   [[nodiscard]] Vec3 field_of(const Pair& pair) const noexcept;
   [[nodiscard]] Mat3 turned(const Pair& pair, const Vec3& field) const noexcept;
   void open_carried_field(const Vec3& change) noexcept;
+  /// Squared lengths of what either calibration leaves of a pair, uT^2.
+  void compare_with_factory(double factory_uT2, double learnt_uT2) noexcept;
   void note_misfit(const Vec3& e, const Mat3& lever, bool rejected) noexcept;
   /// Of the carried field, where it explains the misfits of lately.
   [[nodiscard]] std::optional<Vec3> change_of_body() const noexcept;

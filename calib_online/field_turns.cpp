@@ -27,7 +27,7 @@ void FieldTurnFinder::restart() noexcept {
 std::optional<FieldTurn> FieldTurnFinder::push(const RawSample& s, std::uint8_t clipped,
                                                const CalibrationSnapshot& calibration,
                                                const Array3& mag_turn_rad) noexcept {
-  const double step_s = static_cast<double>(s.t_ns - last_t_ns_) * kSecondsPerNs;
+  const double step_s = in_seconds(s.t_ns - last_t_ns_);
   if (!s.holds(kGyr) || !vec(s.gyr_radps).allFinite() || (clipped & (kGyr | kMag)) != 0 ||
       (started_ && !(step_s > 0.0 && step_s < kLongestStep_s))) {
     restart();
@@ -57,7 +57,7 @@ std::optional<FieldTurn> FieldTurnFinder::push(const RawSample& s, std::uint8_t 
 void FieldTurnFinder::turn(const RawSample& s, const CalibrationSnapshot& calibration) noexcept {
   const Vec3 rate = calibration.gyr.apply(s.gyr_radps, s.temp_degC);
   if (started_) {
-    const Vec3 phi = 0.5 * (rate + last_rate_) * (static_cast<double>(s.t_ns - last_t_ns_) * kSecondsPerNs);
+    const Vec3 phi = 0.5 * (rate + last_rate_) * in_seconds(s.t_ns - last_t_ns_);
     const Quat step = exp_quat(phi);
     block_.turned = renormalized(block_.turned * step);
     anchor_.turned = renormalized(anchor_.turned * step);
@@ -92,7 +92,7 @@ std::optional<FieldTurn> FieldTurnFinder::close_block(const RawSample& s,
                     .q_before_after = {q.w(), q.x(), q.y(), q.z()},
                     .noise_uT2 = anchor_.noise_uT2 + noise_uT2,
                     .path_rad = anchor_.path_rad,
-                    .time_s = static_cast<double>(s.t_ns - anchor_.t_ns) * kSecondsPerNs};
+                    .time_s = in_seconds(s.t_ns - anchor_.t_ns)};
   anchor_ = Anchor{
       .set = true, .mean_uT = mean_uT, .noise_uT2 = noise_uT2, .t_ns = s.t_ns, .turned = middle_now, .path_rad = 0.0};
   return out;

@@ -32,7 +32,7 @@ class FieldTurnFinder {
   /// `clipped`: bits of SamplePart whose reading sits at the sensor's limit. `mag_turn_rad`: how the body has turned
   /// since the magnetometer's reading, where that is older than the sample.
   std::optional<FieldTurn> push(const RawSample& sample, std::uint8_t clipped, const CalibrationSnapshot& calibration,
-                                const Array3& mag_turn_rad = {}) noexcept;
+                                const Array3& mag_turn_rad) noexcept;
 
  private:
   struct Block {              ///< readings of a tenth of a second

@@ -84,7 +84,7 @@ double GyrHypothesis::noise_scale() const noexcept { return noise_.variance_scal
 
 void GyrHypothesis::separate(const RestRate& r, bool moved) noexcept {
   const bool another = moved || (stretch_.windows > 0 && !stretch_.same_attitude(r));
-  const double age_s = static_cast<double>(r.t_ns - stretch_.start_ns) * kSecondsPerNs;
+  const double age_s = in_seconds(r.t_ns - stretch_.start_ns);
   const bool long_since = age_s > kStretch_s || std::abs(r.temp_degC - stretch_.temp_degC) > kStretchTemp_K;
   if (stretch_.windows > 0 && (another || long_since)) {
     commit();

@@ -6,6 +6,7 @@
 #include <optional>
 #include <vector>
 
+#include "core/median.h"
 #include "core/units.h"
 
 namespace stillpoint::calib {
@@ -44,7 +45,7 @@ std::vector<Reading> around(const StatedTurn& stated, std::span<const std::int64
   std::vector<Reading> out;
   for (std::size_t k = 0; k < y.size(); ++k) {
     if (!y[k].allFinite()) continue;
-    const Reading now{kSecondsPerNs * static_cast<double>(t_ns[k] - t_ns[0]), y[k]};
+    const Reading now{in_seconds(t_ns[k] - t_ns[0]), y[k]};
     if (now.t_s <= stated.begin_s) out.clear();
     out.push_back(now);
     if (now.t_s >= stated.end_s) break;
@@ -55,9 +56,7 @@ std::vector<Reading> around(const StatedTurn& stated, std::span<const std::int64
 double median_step(const std::vector<Reading>& r) {
   std::vector<double> steps;
   for (std::size_t k = 1; k < r.size(); ++k) steps.push_back(r[k].t_s - r[k - 1].t_s);
-  const auto middle = steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 2);
-  std::nth_element(steps.begin(), middle, steps.end());
-  return *middle;
+  return median(std::move(steps));
 }
 
 /// The moment from which an axis stays at its greatest reading to the last bit, having come there with a stride.
@@ -158,7 +157,7 @@ void add_known_turn(const GyroMatrixFit& fit, const KnownTurn& turn, GyroMatrixS
 Result<KnownTurn> known_turn(const StatedTurn& stated, std::span<const std::int64_t> t_ns,
                              std::span<const Vec3> gyr_radps, const Vec3& bias_radps, const Mat3& bias_covariance) {
   if (t_ns.empty() || gyr_radps.empty()) return fail(ErrorKind::kBadData, "the recording holds no gyroscope");
-  const double lasts_s = kSecondsPerNs * static_cast<double>(t_ns.back() - t_ns.front());
+  const double lasts_s = in_seconds(t_ns.back() - t_ns.front());
   if (stated.begin_s < 0.0 || stated.end_s > lasts_s)
     return refused("from %g to %g s, but the recording lasts %.3f s; times are seconds since its first row",
                    stated.begin_s, stated.end_s, lasts_s);
@@ -204,7 +203,6 @@ Result<KnownTurn> known_turn(const StatedTurn& stated, std::span<const std::int6
         "the axis moves in the body: %.0f %% of the rate (rms) are across it, so up to %.3g deg are not in the "
         "angle; turn it on a flat support or about an edge, or state a larger deviation",
         100.0 * c.across, lost_rad * kDegPerRad);
-  const auto squared = [](double v) { return v * v; };
   // Where it turns at its ends, either may be half a step off.
   const double edges_rad = stated.steady ? step_s * read_rad / duration_s : 0.0;
   turn.angle_rad = stated.angle_rad;

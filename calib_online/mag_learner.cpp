@@ -1,4 +1,5 @@
 #include "calib_online/mag_learner.h"
+#include "core/units.h"
 
 #include <Eigen/Dense>
 #include <cmath>
@@ -33,7 +34,7 @@ FieldFilter::Pair MagLearner::pair_of(const FieldTurn& t, double gyr_matrix_sd,
 
 bool MagLearner::absorb(const FieldTurn& t, double gyr_matrix_sd, double gyr_bias_sd_radps) noexcept {
   const bool follows = t_ns_ > 0 && t.t_end_ns > t_ns_;
-  if (follows) field_.predict(static_cast<double>(t.t_end_ns - t_ns_) * kSecondsPerNs);
+  if (follows) field_.predict(in_seconds(t.t_end_ns - t_ns_));
   t_ns_ = t.t_end_ns;
   const auto verdict = field_.update(pair_of(t, gyr_matrix_sd, gyr_bias_sd_radps));
   const bool due = !follows || t.t_end_ns - published_ns_ >= kPublish_ns;

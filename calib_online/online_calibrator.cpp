@@ -5,6 +5,7 @@
 #include <cstring>
 
 #include "calib_online/state_fields.h"
+#include "core/units.h"
 
 namespace stillpoint::calib {
 namespace {
@@ -129,7 +130,7 @@ void OnlineCalibrator::name_fault(std::size_t triad) noexcept {
 
 void OnlineCalibrator::predict(std::int64_t t_ns) noexcept {
   // A clock that starts again (a new run on a persisted state) says nothing of the time between.
-  const double dt_s = t_ns_ > 0 && t_ns > t_ns_ ? static_cast<double>(t_ns - t_ns_) * kSecondsPerNs : 0.0;
+  const double dt_s = t_ns_ > 0 && t_ns > t_ns_ ? in_seconds(t_ns - t_ns_) : 0.0;
   t_ns_ = t_ns;
   acc_.predict(dt_s);
   gyr_.predict(dt_s);

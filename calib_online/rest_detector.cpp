@@ -1,4 +1,5 @@
 #include "calib_online/rest_detector.h"
+#include "core/units.h"
 
 #include <Eigen/Dense>
 #include <algorithm>
@@ -40,7 +41,7 @@ std::optional<Window> RestDetector::push(const RawSample& sample, const Calibrat
     last_refusal_ = Refusal::kGap;
   } else if (has_last_) {
     integrate(sample, calibration, temp_degC);
-    if (at_rest()) hold_against_rest(sample, static_cast<double>(sample.t_ns - last_t_ns_) * kSecondsPerNs);
+    if (at_rest()) hold_against_rest(sample, in_seconds(sample.t_ns - last_t_ns_));
   }
   std::optional<Window> window;
   if (open_ && sample.t_ns - current_.t_first_ns >= quarter_ns_) {
@@ -107,7 +108,7 @@ void RestDetector::integrate(const RawSample& sample, const CalibrationSnapshot&
     chain_.broken = chain_.broken || has_last_rate_;
     return;
   }
-  const double dt_s = static_cast<double>(sample.t_ns - last_t_ns_) * kSecondsPerNs;
+  const double dt_s = in_seconds(sample.t_ns - last_t_ns_);
   const Mat3 H = mat(calibration.gyr.matrix);
   const Vec3 z_now = vec(sample.gyr_radps) - calibration.gyr.bias_at(temp_degC);
   const Vec3 z = has_last_rate_ ? Vec3(0.5 * (z_now + last_rate_)) : z_now;

@@ -5,6 +5,7 @@
 
 #include "calib_online/rest_detector.h"
 #include "calib_online/slow_change.h"
+#include "core/units.h"
 
 namespace stillpoint::calib {
 namespace {
@@ -192,8 +193,7 @@ bool RestDetector::turns(Evidence& e) noexcept {
   Mat3 information = Mat3::Zero();
   Vec3 rhs = Vec3::Zero();
   const double quarter_s = params_.window_s / kQuarters;
-  const double baseline_s =
-      anchor_.set ? static_cast<double>(quarters_.back().t_last_ns - anchor_.t_ns) * kSecondsPerNs : 0.0;
+  const double baseline_s = anchor_.set ? in_seconds(quarters_.back().t_last_ns - anchor_.t_ns) : 0.0;
   for (const std::size_t k : {kAccIndex, kMagIndex}) {
     const Summary& s = e.triad[k];
     if (s.n == 0) continue;

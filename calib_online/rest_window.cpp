@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "calib_online/rest_detector.h"
+#include "core/units.h"
 
 namespace stillpoint::calib {
 namespace {
@@ -33,7 +34,7 @@ std::optional<Window> RestDetector::tell_faults(const Evidence& e) noexcept {
 /// The anchor stays through a steady turn: it is what shows the turn. Sway starts anew.
 void RestDetector::keep_anchor(const Evidence& e, Refusal rate) noexcept {
   const std::int64_t now_ns = quarters_.back().t_last_ns;
-  const double age_s = static_cast<double>(now_ns - anchor_.t_ns) * kSecondsPerNs;
+  const double age_s = in_seconds(now_ns - anchor_.t_ns);
   if (rate == Refusal::kSwaying) {
     anchor_.set = false;
     seen_turn_ = Vec3::Zero();

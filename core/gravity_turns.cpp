@@ -59,7 +59,7 @@ void GravityTurns::close_block(std::int64_t t_ns) noexcept {
   Block& block = blocks_[newest_];
   for (std::size_t k = 0; k < 3; ++k) block.force[k] = force_sum_[k] / forces_;
   block.turn_rad = turn_;
-  block.seconds = 1e-9 * static_cast<double>(t_ns - block_start_ns_);
+  block.seconds = in_seconds(t_ns - block_start_ns_);
   block.acc_noise2 = acc_noise_.take();
   block.gyr_noise2 = gyr_noise_.take();
   filled_ = std::min(filled_ + 1, kBlocks);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/types.h"
 #include "core/units.h"
 
 namespace stillpoint {
@@ -11,7 +12,6 @@ namespace {
 constexpr std::int64_t kWindow_ns = 4'000'000'000;
 constexpr std::uint32_t kLeastReadings = 50, kMostReadings = 60'000;
 constexpr int kWindowsInARow = 2;
-constexpr double kLatest_ns = 4e18;
 
 // Accelerometer. A consumer part that nobody calibrated reads gravity within some 20 % at rest.
 constexpr double kGravityLow = 0.7, kGravityHigh = 1.43;

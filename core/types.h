@@ -33,6 +33,9 @@ inline Array9 array(const Mat3& m) {
   return {m(0, 0), m(0, 1), m(0, 2), m(1, 0), m(1, 1), m(1, 2), m(2, 0), m(2, 1), m(2, 2)};
 }
 
+/// No time is later: 146 years, so that the difference of any two still fits.
+inline constexpr std::int64_t kLatest_ns = 4'600'000'000'000'000'000;
+
 /// Which parts of a sample were measured at its time. A part that was not is left at its default and never used.
 enum SamplePart : std::uint8_t { kAcc = 1, kGyr = 2, kMag = 4, kTemp = 8 };
 inline constexpr std::size_t kSampleParts = 4;

@@ -5,6 +5,8 @@
 
 namespace stillpoint::diag {
 
+inline constexpr double kNatsPerCoefficient = 2.0;  ///< what a law is charged for each number (docs/decisions/043)
+
 /// Bound on the chance that noise alone reaches a gain that is already charged for all that was looked at: under the
 /// null the expectation of a likelihood ratio is one (Markov). Nothing below 1e-300 is a number.
 [[nodiscard]] inline double chance_of(double net_nats) { return std::exp(-std::clamp(net_nats, 0.0, 690.0)); }

@@ -1,4 +1,5 @@
 #include "exchange/order.h"
+#include "core/median.h"
 
 #include <fmt/format.h>
 
@@ -14,10 +15,7 @@ std::int64_t usual_step(const Times& t_ns) {
   Times steps;
   for (std::size_t i = 1; i < t_ns.size(); ++i)
     if (t_ns[i] > t_ns[i - 1]) steps.push_back(t_ns[i] - t_ns[i - 1]);
-  if (steps.empty()) return 0;
-  const auto middle = steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 2);
-  std::nth_element(steps.begin(), middle, steps.end());
-  return *middle;
+  return median(std::move(steps));
 }
 
 /// Gives how often the counter wrapped. A restart leaves a step over the wrap that is no usual one.

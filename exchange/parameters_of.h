@@ -19,8 +19,6 @@ namespace stillpoint::exchange::parameters {
 [[nodiscard]] Result<ReadParameters> read_imu_calib(const std::string& text, const std::string& name);
 [[nodiscard]] WrittenParameters write_imu_calib(const sim::SimulationConfig& simulation);
 
-inline constexpr double kReference_degC = 25.0;  ///< of our effects
-
 /// A sensor of a simulation with the words of lists and messages.
 struct Part {
   const char* name;  ///< "accelerometer"

@@ -6,6 +6,7 @@
 #include <sstream>
 
 #include "exchange/parameters_of.h"
+#include "simulation/effect_catalogue.h"
 #include "simulation/law_effect.h"
 
 namespace stillpoint::exchange::parameters {
@@ -51,7 +52,7 @@ sim::TriadConfig read_triad(const std::map<std::string, double>& values, const W
     for (std::size_t order = 0; order < 4; ++order) p[order][axis] = value(fmt::format("X{}_{}", order, axis), 0.0);
     scale[axis] = value(fmt::format("SCL_{}", axis), 1.0);
   }
-  p = moved(p, kReference_degC - value("TREF", kReference_degC));
+  p = moved(p, sim::kReferenceTemp_degC - value("TREF", sim::kReferenceTemp_degC));
   const std::string id = w.sensor, unit = w.unit;
   sim::TriadConfig t;
   t.bias = p[0];
@@ -113,7 +114,7 @@ WrittenParameters write_px4(const sim::SimulationConfig& s) {
     const Vec3 k1 = three(linear, "k_" + unit + "_per_K") + three(square, "k1_" + unit + "_per_K");
     const std::array<Vec3, 4> p{triad->bias, M * k1, M * three(square, "k2_" + unit + "_per_K2"), Vec3::Zero()};
     line(fmt::format("TC_{}_ENABLE", w.letter), 1, 6);
-    line(prefix + "TREF", kReference_degC, 9);
+    line(prefix + "TREF", sim::kReferenceTemp_degC, 9);
     for (int axis = 0; axis < 3; ++axis) {
       line(fmt::format("{}SCL_{}", prefix, axis), triad->matrix(axis, axis), 9);
       for (std::size_t order = 0; order < 4; ++order)

@@ -6,6 +6,7 @@
 #include "exchange/parameters_of.h"
 #include "io/triad_factory.h"
 #include "io/yaml.h"
+#include "simulation/effect_catalogue.h"
 
 namespace stillpoint::exchange::parameters {
 namespace {
@@ -15,7 +16,7 @@ const char* unit_of(sim::Sensor sensor) {
 }
 
 sim::TriadConfig triad_of(const io::TriadFactory& f, sim::Sensor sensor, ReadParameters& out) {
-  const double shift = kReference_degC - f.temp_ref_degC;
+  const double shift = sim::kReferenceTemp_degC - f.temp_ref_degC;
   sim::TriadConfig t;
   t.bias = f.bias + shift * (f.bias_per_K + shift * f.bias_per_K2);
   t.matrix = f.matrix;

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <optional>
 
+#include "core/median.h"
 #include "core/nearest.h"
 #include "core/units.h"
 #include "exchange/order.h"
@@ -16,13 +17,6 @@ namespace {
 
 /// 73 years: an origin and a time after it, twice, still fit. Unix time in ns is 1.8e18.
 constexpr std::int64_t kFurthest_ns = 2'300'000'000'000'000'000;
-
-double median(std::vector<double> x) {
-  if (x.empty()) return 0.0;
-  const auto middle = x.begin() + static_cast<std::ptrdiff_t>(x.size() / 2);
-  std::nth_element(x.begin(), middle, x.end());
-  return *middle;
-}
 
 double median_norm(const Stream& s) {
   std::vector<double> norms;
@@ -193,7 +187,7 @@ GravityTurn turn_of_gravity(const Stream& acc, const Stream& gyr) {
   std::size_t k = 0;
   constexpr std::size_t kStride = 5;  // differences over five readings: less noise
   for (std::size_t i = kStride; i + kStride < acc.t_ns.size(); ++i) {
-    const double dt_s = 1e-9 * static_cast<double>(acc.t_ns[i + kStride] - acc.t_ns[i - kStride]);
+    const double dt_s = in_seconds(acc.t_ns[i + kStride] - acc.t_ns[i - kStride]);
     const Vec3 &before = acc.values[i - kStride], &after = acc.values[i + kStride], &f = acc.values[i];
     const auto is_gravity = [](const Vec3& v) { return std::abs(v.norm() - kStandardGravity_mps2) < 0.6; };
     if (dt_s <= 0.0 || dt_s > 0.5 || !is_gravity(before) || !is_gravity(after) || !is_gravity(f)) continue;

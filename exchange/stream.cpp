@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/units.h"
 #include "exchange/order.h"
 
 namespace stillpoint::exchange {
@@ -18,7 +19,7 @@ Result<void> expect_overlap(const std::vector<Stream>& streams, const std::strin
       if (a.t_ns.front() > b.t_ns.back())
         return fail(ErrorKind::kBadData,
                     fmt::format("{}: {} begins {:.3f} s after {} has ended; are their clocks different ones?", name,
-                                a.from, 1e-9 * static_cast<double>(a.t_ns.front() - b.t_ns.back()), b.from));
+                                a.from, in_seconds(a.t_ns.front() - b.t_ns.back()), b.from));
   return {};
 }
 
@@ -42,7 +43,7 @@ void place(const Stream& s, const std::vector<std::int64_t>& times, io::Recordin
 }
 
 std::string described(const Stream& s) {
-  const double span_s = 1e-9 * static_cast<double>(s.t_ns.back() - s.t_ns.front());
+  const double span_s = in_seconds(s.t_ns.back() - s.t_ns.front());
   return fmt::format("{} from {}: {} readings, {:.1f} s, {:.1f} Hz", name(s.quantity), s.from, s.t_ns.size(), span_s,
                      span_s > 0 ? static_cast<double>(s.t_ns.size() - 1) / span_s : 0.0);
 }

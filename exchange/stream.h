@@ -9,9 +9,6 @@
 
 namespace stillpoint::exchange {
 
-/// The latest time that a recording's reader takes, 146 years: the difference of any two still fits.
-inline constexpr std::int64_t kLatest_ns = 4'600'000'000'000'000'000;
-
 enum class Quantity { kAcc, kGyr, kMag, kTemp };
 [[nodiscard]] const char* name(Quantity quantity);
 

@@ -1,4 +1,5 @@
 #include "exchange/table.h"
+#include "io/recording_header.h"
 
 #include <fmt/format.h>
 
@@ -10,12 +11,6 @@
 
 namespace stillpoint::exchange {
 namespace {
-
-std::string_view strip(std::string_view s) {
-  const auto first = s.find_first_not_of(" \t\r");
-  if (first == std::string_view::npos) return {};
-  return s.substr(first, s.find_last_not_of(" \t\r") - first + 1);
-}
 
 std::string_view take_line(std::string_view& text) {
   const auto end = text.find('\n');
@@ -35,9 +30,9 @@ std::size_t split(std::string_view line, char separator, std::vector<std::string
   for (std::size_t i = 0; i <= line.size(); ++i) {
     if (i < line.size() && line[i] == '"') quoted = !quoted;
     if (i < line.size() && (quoted || line[i] != separator)) continue;
-    std::string_view field = strip(line.substr(start, i - start));
+    std::string_view field = io::strip(line.substr(start, i - start));
     if (field.size() >= 2 && field.front() == '"' && field.back() == '"') field = field.substr(1, field.size() - 2);
-    if (separator != ' ' || !field.empty()) out.push_back(strip(field));
+    if (separator != ' ' || !field.empty()) out.push_back(io::strip(field));
     start = i + 1;
   }
   const std::size_t all = out.size();
@@ -100,7 +95,7 @@ class TableReader {
     }
     std::vector<std::string_view> names;
     std::string_view header = candidate_;
-    while (!header.empty() && (header.front() == '#' || header.front() == '%')) header = strip(header.substr(1));
+    while (!header.empty() && (header.front() == '#' || header.front() == '%')) header = io::strip(header.substr(1));
     split(header, separator_, names);
     // A table with one sensor a row leaves the columns of the others empty.
     if (names.size() < fields_.size() || names.size() > all_fields_) {

@@ -105,8 +105,7 @@ const char* advice(const Finding& f) {
 }  // namespace
 
 std::string describe(const Finding& finding) {
-  return fmt::format("{} (at {:.2f} s); {}", seen(finding), kSecondsPerNs * static_cast<double>(finding.t_ns),
-                     advice(finding));
+  return fmt::format("{} (at {:.2f} s); {}", seen(finding), in_seconds(finding.t_ns), advice(finding));
 }
 
 std::vector<Finding> find_implausible(const Recording& recording) {

@@ -8,6 +8,7 @@
 #include <charconv>
 #include <cmath>
 
+#include "core/types.h"
 #include "io/quote.h"
 #include "io/recording_header.h"
 #include "io/text_file.h"
@@ -16,7 +17,6 @@ namespace stillpoint::io {
 namespace {
 
 constexpr std::size_t kMostMessages = 10;
-constexpr double kLatest_ns = 4.6e18;  // 146 years: the difference of any two times still fits
 
 class Parser {
  public:

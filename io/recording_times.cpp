@@ -2,6 +2,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/median.h"
+#include "core/units.h"
 #include "io/recording.h"
 
 namespace stillpoint::io {
@@ -13,9 +15,7 @@ constexpr double kGapOverMedianStep = 2.5;
 double median_step_s(const std::vector<std::int64_t>& t_ns) {
   std::vector<std::int64_t> steps(t_ns.size() - 1);
   for (std::size_t i = 1; i < t_ns.size(); ++i) steps[i - 1] = t_ns[i] - t_ns[i - 1];
-  const auto middle = steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 2);
-  std::nth_element(steps.begin(), middle, steps.end());
-  return 1e-9 * static_cast<double>(*middle);
+  return in_seconds(median(std::move(steps)));
 }
 
 /// Rows in which the sensor was read.
@@ -43,7 +43,7 @@ SensorTimes times_of(const Recording& r, SamplePart part, const char* name, cons
   std::transform(rows.begin(), rows.end(), t_ns.begin(), [&r](std::size_t row) { return r.t_ns[row]; });
   out.median_step_s = median_step_s(t_ns);
   for (std::size_t i = 1; i < rows.size(); ++i) {
-    const double dt_s = 1e-9 * static_cast<double>(t_ns[i] - t_ns[i - 1]);
+    const double dt_s = in_seconds(t_ns[i] - t_ns[i - 1]);
     if (dt_s <= kGapOverMedianStep * out.median_step_s) continue;
     ++out.gaps;
     out.longest_gap_s = std::max(out.longest_gap_s, dt_s);

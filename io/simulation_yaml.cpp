@@ -3,7 +3,6 @@
 #include <algorithm>
 
 #include "io/quote.h"
-#include "simulation/effect_catalogue.h"
 
 namespace stillpoint::io {
 namespace {

@@ -39,7 +39,7 @@ Vec3 AssembleStage::turned_since(std::int64_t from_ns, double temp_degC) const n
     const Turn& step = turns_[(newest_ + kMost - back) % kMost];
     const bool oldest = back + 1 == turns_known_;
     const std::int64_t began_ns = oldest ? from_ns : turns_[(newest_ + kMost - back - 1) % kMost].t_ns;
-    const double part_s = kSecondsPerNs * static_cast<double>(step.t_ns - std::max(from_ns, began_ns));
+    const double part_s = in_seconds(step.t_ns - std::max(from_ns, began_ns));
     const Vec3 phi = part_s * gyr_.apply(step.rate_radps, temp_degC);
     if (began_ns <= from_ns && back == 0) return phi;
     turned = exp_quat(phi) * turned;

@@ -16,7 +16,6 @@ class AssembleStage {
  public:
   using Input = GuardedSample;
   using Output = GuardedSample;
-  static constexpr std::string_view kName = "assemble";
 
   AssembleStage(double late_s, const TriadCalibration& gyr) noexcept
       : late_ns_(static_cast<std::int64_t>(1e9 * late_s)), gyr_(gyr) {}

@@ -3,6 +3,7 @@
 #include <Eigen/LU>
 
 #include "core/so3.h"
+#include "core/units.h"
 
 namespace stillpoint::pipeline {
 namespace {
@@ -43,7 +44,7 @@ Vec3 CompensateStage::true_rate(const Vec3& u, const Vec3& force, double tau_K) 
 }
 
 Vec3 CompensateStage::lever(const Vec3& rate, std::int64_t t_ns) noexcept {
-  const double dt_s = 1e-9 * static_cast<double>(t_ns - last_rate_ns_);
+  const double dt_s = in_seconds(t_ns - last_rate_ns_);
   Vec3 acceleration = Vec3::Zero();
   if (has_rate_ && dt_s > 0.0 && dt_s < kLongestStep_s) acceleration = (rate - last_rate_) / dt_s;
   last_rate_ = rate;

@@ -33,7 +33,6 @@ class CompensateStage {
  public:
   using Input = CalibratedSample;
   using Output = CalibratedSample;
-  static constexpr std::string_view kName = "compensate";
 
   explicit CompensateStage(const Compensation& compensation = {}) : c_(compensation) {}
   StageStatus process(const CalibratedSample& in, CalibratedSample& out) noexcept;

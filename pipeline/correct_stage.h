@@ -9,7 +9,6 @@ class CorrectStage {
  public:
   using Input = GuardedSample;
   using Output = CalibratedSample;
-  static constexpr std::string_view kName = "correct";
 
   explicit CorrectStage(const CalibrationSnapshot& factory) noexcept : live_(factory) {}
 

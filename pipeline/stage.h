@@ -3,7 +3,6 @@
 #pragma once
 #include <concepts>
 #include <cstdint>
-#include <string_view>
 #include <type_traits>
 
 #include "core/types.h"
@@ -22,7 +21,6 @@ template <class S>
 concept Stage = requires(S stage, const typename S::Input& in, typename S::Output& out) {
   { stage.process(in, out) }
   noexcept->std::same_as<StageStatus>;
-  { S::kName } -> std::convertible_to<std::string_view>;
 };
 
 enum class SourceState : std::uint8_t {

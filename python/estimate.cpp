@@ -1,4 +1,5 @@
 /// The filter over a recording, and the online calibration fed piece by piece.
+#include "core/units.h"
 #include "pipeline/smooth.h"
 #include "pipeline/stages.h"
 #include "python/native.h"
@@ -24,7 +25,7 @@ struct Track {
       to.insert(to.end(), from.begin(), from.end());
     };
     const auto& q = m.q_world_body_xyzw;
-    time_s.push_back(1e-9 * static_cast<double>(m.t_ns));
+    time_s.push_back(in_seconds(m.t_ns));
     append(q_wxyz, std::array{q[3], q[0], q[1], q[2]});
     append(covariance, m.orientation_covariance_rad2);
     append(sigma, m.sigma_rpy_rad);
@@ -111,7 +112,8 @@ class Calibrator {
         assemble_.use(live.gyr);
         ++windows;
       }
-      if (const auto turn = turns_.push(guarded.sample, guarded.clipped, live)) calibrator_.absorb(*turn);
+      if (const auto turn = turns_.push(guarded.sample, guarded.clipped, live, guarded.mag_turn_rad))
+        calibrator_.absorb(*turn);
     }
     return windows;
   }

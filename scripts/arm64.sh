@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
-# Cross-compiles the algorithms (core, calib_online, fusion, simulation, io) for 64-bit ARM and runs their tests under
-# qemu-user, in a chroot of its own, because Debian cannot hold libyaml-cpp-dev for two architectures at once.
+# Cross-compiles core, calib_online, fusion, laws, simulation, io (without DDS and the daemon's configuration), pipeline,
+# c_api, report and diagnosis for 64-bit ARM and runs their tests, but for those labelled long, under qemu-user. In a chroot
+# of its own, because Debian cannot hold libyaml-cpp-dev for two architectures at once. HEAD is what is built.
 #   sudo scripts/arm64.sh FOLDER      FOLDER is made with debootstrap when it is absent (about 2 GB)
 set -euo pipefail
 [ $# -eq 1 ] || { echo "usage: sudo scripts/arm64.sh FOLDER" >&2; exit 64; }

@@ -1,5 +1,6 @@
 #!/usr/bin/env bash
-# clang-tidy over every source of ours; any finding fails. Needs build/release (for what its build generates).
+# clang-tidy over the sources of the libraries, the daemon and the tool, not of bench/, examples/, python/ and tests/; any
+# finding fails. Needs build/release (for what its build generates).
 set -euo pipefail
 cd "$(dirname "$0")/.."
 # Of how GCC compiles, every source alone and without precompiled headers and the warnings that only GCC has.

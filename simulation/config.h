@@ -9,6 +9,7 @@
 
 #include "core/fields.h"
 #include "core/types.h"
+#include "core/units.h"
 
 namespace stillpoint::sim {
 
@@ -185,7 +186,7 @@ struct ReferenceConfig {
 
 struct SimulationConfig {
   double rate_hz = 100.0;
-  double gravity_mps2 = 9.80665;
+  double gravity_mps2 = kStandardGravity_mps2;
   Vec3 field_world_uT{0.0, 20.0, -43.0};  ///< ENU
   std::optional<TriadConfig> accelerometer, gyroscope, magnetometer;
   std::vector<EffectConfig> effects;

@@ -4,12 +4,12 @@
 #include <cmath>
 #include <numbers>
 
+#include "core/units.h"
 #include "simulation/random.h"
 
 namespace stillpoint::sim {
 namespace {
 
-constexpr double kEarthRate_radps = 7.292115e-5;
 constexpr double kActivityStep_s = 0.25;
 
 /// tau dx/dt = (moving ? 1 : 0) - x, on a grid.

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/median.h"
 #include "core/so3.h"
 #include "simulation/reference_noise.h"
 
@@ -20,8 +21,7 @@ constexpr double kStillest_rad = 0.01, kStillest_m = 0.003;  // no rest is noisi
 double median_step(const std::vector<double>& t_s) {
   std::vector<double> steps(t_s.size() - 1);
   for (std::size_t i = 1; i < t_s.size(); ++i) steps[i - 1] = t_s[i] - t_s[i - 1];
-  std::nth_element(steps.begin(), steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 2), steps.end());
-  return steps[steps.size() / 2];
+  return median(std::move(steps));
 }
 
 /// Largest distance from sample i within half a window on either side, rotation (rad) and translation (m).

@@ -87,9 +87,8 @@ void print_rests(const MountRun& run) {
     const calib::MountRest& rest = run.evidence.rests[i];
     const Vec3 up = rest.acc_mps2.normalized();
     const calib::RestPose& pose = run.fit.acc.poses[i];
-    fmt::print("{:>4} {:9.1f} {:9.1f}  {:+6.3f} {:+6.3f} {:+6.3f}  {:<16} {:>8}\n", i + 1,
-               1e-9 * static_cast<double>(rest.t_start_ns), 1e-9 * static_cast<double>(rest.t_end_ns), up.x(), up.y(),
-               up.z(), pose_words(pose),
+    fmt::print("{:>4} {:9.1f} {:9.1f}  {:+6.3f} {:+6.3f} {:+6.3f}  {:<16} {:>8}\n", i + 1, in_seconds(rest.t_start_ns),
+               in_seconds(rest.t_end_ns), up.x(), up.y(), up.z(), pose_words(pose),
                pose.face && run.fit.acc.known() ? fmt::format("{:.2f}", deg(pose.off_rad)) : "");
   }
 }
@@ -121,8 +120,8 @@ Json to_json(const MountRun& run) {
     const calib::MountRest& rest = run.evidence.rests[i];
     const calib::RestPose& pose = run.fit.acc.poses[i];
     j["rests"].push_back({{"recording", run.recordings[rest.recording]},
-                          {"from_s", 1e-9 * static_cast<double>(rest.t_start_ns)},
-                          {"to_s", 1e-9 * static_cast<double>(rest.t_end_ns)},
+                          {"from_s", in_seconds(rest.t_start_ns)},
+                          {"to_s", in_seconds(rest.t_end_ns)},
                           {"acc_mps2", array(rest.acc_mps2)},
                           {"up_in_body", pose.face ? Json(face_name(*pose.face)) : Json()},
                           {"stated", pose.stated},

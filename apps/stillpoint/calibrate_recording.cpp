@@ -23,6 +23,7 @@
 #include "calib_online/offline/field_again.h"
 #include "calib_online/online_calibrator.h"
 #include "calib_online/rest_detector.h"
+#include "core/median.h"
 #include "io/calibration_state.h"
 #include "io/config.h"
 #include "io/mounted_recording.h"
@@ -81,10 +82,7 @@ double middle_norm(const std::vector<Vec3>& readings) {
   std::vector<double> norms;
   for (const Vec3& y : readings)
     if (y.allFinite()) norms.push_back(y.norm());
-  if (norms.empty()) return 0.0;
-  const auto middle = norms.begin() + static_cast<std::ptrdiff_t>(norms.size() / 2);
-  std::nth_element(norms.begin(), middle, norms.end());
-  return *middle;
+  return median(std::move(norms));
 }
 
 /// take(row, sample) for what the daemon's first stages make of the rows; gyr(row): what is known of the gyroscope by

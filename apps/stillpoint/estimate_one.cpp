@@ -60,7 +60,7 @@ class Writer {
     out_.degraded_rows += status == AttitudeStatus::kDegraded ? 1 : 0;
     out_.last = processed.attitude;
     out_.health = processed.health;
-    out_.duration_s = 1e-9 * static_cast<double>(processed.attitude.t_ns - first_ns_);
+    out_.duration_s = in_seconds(processed.attitude.t_ns - first_ns_);
     return file_.add(processed);
   }
   void count(const pipeline::Stages& stages) {
@@ -73,7 +73,7 @@ class Writer {
   static constexpr std::size_t kMostMoments = 1000;
 
   void note_moment(const fusion::AttitudeEstimate& estimate, AttitudeStatus status) {
-    CoursePoint moment{1e-9 * static_cast<double>(estimate.t_ns - first_ns_), estimate, status};
+    CoursePoint moment{in_seconds(estimate.t_ns - first_ns_), estimate, status};
     const auto& times = recording_.t_ns;
     const auto row =
         static_cast<std::size_t>(std::lower_bound(times.begin(), times.end(), estimate.t_ns) - times.begin());

@@ -12,6 +12,7 @@
 #include "apps/stillpoint/page_json.h"
 #include "apps/stillpoint/page_server.h"
 #include "core/clock.h"
+#include "core/units.h"
 #include "io/dds_subscriber.h"
 #include "io/text_file.h"
 
@@ -32,7 +33,7 @@ int page(const PageOptions& options) {
   const auto subscriber = io::DdsSubscriber::create(options.dds, watched.handlers());
   if (!subscriber) return report(subscriber.error());
   const std::int64_t start_ns = monotonic_ns();
-  const auto since_start_s = [start_ns] { return 1e-9 * static_cast<double>(monotonic_ns() - start_ns); };
+  const auto since_start_s = [start_ns] { return in_seconds(monotonic_ns() - start_ns); };
   const auto state = [&] {
     return json_text(
         page_json(watched.state(monotonic_ns()), model, options.dds, (*subscriber)->publishers(), since_start_s()), -1);

@@ -11,6 +11,7 @@
 #include "apps/stillpoint/dds_options.h"
 #include "apps/stillpoint/options.h"
 #include "apps/stillpoint/outcome.h"
+#include "core/units.h"
 #include "exchange/mcap_writer.h"
 #include "io/dds_subscriber.h"
 #include "io/recording_stream.h"
@@ -90,7 +91,7 @@ Result<void> append_all(const std::vector<RawSample>& batch, Target& stream, Wri
 
 void say_what_was_written(const RecordOptions& options, const Target& stream, const Written& written) {
   tell(fmt::format("{}: {} rows, {:.1f} s, {} lost on the way", options.output, stream.rows(),
-                   1e-9 * static_cast<double>(written.last.t_ns - written.first_ns), written.lost));
+                   in_seconds(written.last.t_ns - written.first_ns), written.lost));
 }
 
 int record(const RecordOptions& options) {

@@ -7,6 +7,7 @@
 #include "apps/stillpoint/json_text.h"
 #include "apps/stillpoint/options.h"
 #include "apps/stillpoint/outcome.h"
+#include "core/units.h"
 #include "io/simulated_recording.h"
 #include "io/simulation_yaml.h"
 #include "io/text_file.h"
@@ -84,9 +85,9 @@ Result<Json> write_simulated(const SimulateOptions& o, const sim::SimulationConf
           ErrorKind::kBadConfig,
           fmt::format("{}:1:1: at {:.3f} s a table's driver is outside the range of its 'x'; widen the table, or "
                       "write 'clamp: true' into it",
-                      o.simulation, 1e-9 * static_cast<double>(row.sample.t_ns)));
+                      o.simulation, in_seconds(row.sample.t_ns)));
     if (auto done = file->add(row); !done) return tl::unexpected(done.error());
-    t_s = 1e-9 * static_cast<double>(row.sample.t_ns);
+    t_s = in_seconds(row.sample.t_ns);
     if (row.moving && !moved) since_s = t_s;
     if (!row.moving && moved) bouts.push_back({since_s, t_s});
     moved = row.moving;

@@ -13,6 +13,7 @@
 #include "apps/stillpoint/screen.h"
 #include "apps/stillpoint/watch_text.h"
 #include "core/clock.h"
+#include "core/units.h"
 #include "io/dds_subscriber.h"
 #include "io/text_file.h"
 
@@ -64,7 +65,7 @@ int watch_live(const WatchOptions& options, const WatchModel& model, const io::D
     wait_for(step_s, [] { return false; });
     const std::int64_t now_ns = monotonic_ns();
     const WatchState state = model.state(now_ns);
-    page.take(state, 1e-9 * static_cast<double>(now_ns - start_ns));
+    page.take(state, in_seconds(now_ns - start_ns));
     if (state.received == 0) {
       if (!told && now_ns - start_ns > 1'000'000'000) {
         tell("stillpoint: waiting: " +
@@ -75,7 +76,7 @@ int watch_live(const WatchOptions& options, const WatchModel& model, const io::D
       if (terminal) std::fputs("\033[H\033[2J", stdout);
       if (const int code = print(state, page.curve(), options.json.file()); code != 0) return code;
     }
-    if (options.seconds > 0 && 1e-9 * static_cast<double>(now_ns - start_ns) >= options.seconds) break;
+    if (options.seconds > 0 && in_seconds(now_ns - start_ns) >= options.seconds) break;
   }
   if (model.state(monotonic_ns()).received > 0 || options.seconds <= 0) return 0;
   return report(

@@ -1,4 +1,5 @@
 #include "apps/stillpoint/watch_model.h"
+#include "core/units.h"
 
 #include <algorithm>
 
@@ -44,7 +45,7 @@ WatchState WatchModel::state(std::int64_t now_ns) const {
   const std::lock_guard lock(mutex_);
   WatchState copy = state_;
   if (last_second_ns_.empty()) return copy;
-  copy.age_s = 1e-9 * static_cast<double>(now_ns - last_second_ns_.back());
+  copy.age_s = in_seconds(now_ns - last_second_ns_.back());
   const auto span_ns = last_second_ns_.back() - last_second_ns_.front();
   if (span_ns > 0 && copy.age_s < 1.0)
     copy.rate_hz = 1e9 * static_cast<double>(last_second_ns_.size() - 1) / static_cast<double>(span_ns);

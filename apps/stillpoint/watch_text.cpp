@@ -8,6 +8,7 @@
 
 #include "apps/stillpoint/live_words.h"
 #include "apps/stillpoint/screen.h"
+#include "core/units.h"
 #include "io/quote.h"
 
 namespace stillpoint::app {
@@ -82,11 +83,10 @@ std::string sensor_lines(const AttitudeMessage& m, const CalibrationMessage& mes
 std::string text_view(const WatchState& s, const std::deque<CurvePoint>& curve, bool in_colour) {
   if (!s.attitude) return {};
   const AttitudeMessage& m = *s.attitude;
-  std::string out =
-      fmt::format("t {:.2f} s   {}   {}   heading {}   {}\n", 1e-9 * static_cast<double>(m.t_ns),
-                  coloured(of(m.status), name(m.status)), m.at_rest ? "AT REST" : "moving ",
-                  coloured(of(m.heading_reference), name(m.heading_reference)),
-                  std::isfinite(m.temp_degC) ? fmt::format("{:.1f} degC", m.temp_degC) : "no temperature");
+  std::string out = fmt::format(
+      "t {:.2f} s   {}   {}   heading {}   {}\n", in_seconds(m.t_ns), coloured(of(m.status), name(m.status)),
+      m.at_rest ? "AT REST" : "moving ", coloured(of(m.heading_reference), name(m.heading_reference)),
+      std::isfinite(m.temp_degC) ? fmt::format("{:.1f} degC", m.temp_degC) : "no temperature");
   out += angle_lines(m, curve);
   out += fmt::format("rate   {:8.2f} {:8.2f} {:8.2f} deg/s   gyro bias left {:.3f} {:.3f} {:.3f}\n",
                      kDegPerRad * m.rate_radps[0], kDegPerRad * m.rate_radps[1], kDegPerRad * m.rate_radps[2],

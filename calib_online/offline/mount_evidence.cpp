@@ -68,7 +68,7 @@ std::optional<MountTurn> turn_between(const Samples& samples, const MountRest& f
     if (s->holds(kGyr) && vec(s->gyr_radps).allFinite()) {
       const Vec3 rate = vec(s->gyr_radps) - bias_radps;
       if (last_ns != 0) {
-        const double dt_s = 1e-9 * static_cast<double>(s->t_ns - last_ns);
+        const double dt_s = in_seconds(s->t_ns - last_ns);
         if (dt_s > kLongestStep_s) return std::nullopt;
         const Vec3 mean = 0.5 * (rate + last);
         way.as_read.advance(mean, Mat3::Identity(), dt_s);

@@ -1,4 +1,5 @@
 #include "calib_online/offline/outliers.h"
+#include "core/median.h"
 
 #include <Eigen/Dense>
 #include <algorithm>
@@ -30,12 +31,6 @@ class Picks {
   std::size_t size_;
   std::uint64_t state_ = 1;
 };
-
-double median(std::vector<double> v) {
-  const auto middle = v.begin() + static_cast<std::ptrdiff_t>(v.size() / 2);
-  std::nth_element(v.begin(), middle, v.end());
-  return *middle;
-}
 
 struct Sphere {
   Vec3 centre = Vec3::Zero();

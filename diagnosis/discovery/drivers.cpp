@@ -4,6 +4,7 @@
 
 #include "core/cross_rows.h"
 #include "diagnosis/reference/differences.h"
+#include "simulation/effect_catalogue.h"
 
 namespace stillpoint::diag {
 namespace {
@@ -38,7 +39,7 @@ laws::Columns drivers_of_rows(const Signals& s) {
     if (s.vector[k].rows() == s.n) add_vector(out, own_vector(k), s.vector[k], rate_of(s, k));
   if (s.has_position && s.position_m.rows() == s.n)
     add_vector(out, "p", s.position_m, derivative(s.position_m, s.rows));
-  if (s.temperature_K.size()) out.values["T"] = s.temperature_K.array() + kReferenceTemperature_degC;
+  if (s.temperature_K.size()) out.values["T"] = s.temperature_K.array() + sim::kReferenceTemp_degC;
   if (s.current_A.size()) out.values["I"] = s.current_A;
   if (s.voltage_V.size()) out.values["V"] = s.voltage_V;
   for (const auto& [name, x] : s.user) out.values[name] = x;

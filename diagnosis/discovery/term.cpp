@@ -4,7 +4,6 @@
 
 #include "diagnosis/discovery/table_term.h"
 #include "diagnosis/discovery/term_scan.h"
-#include "diagnosis/reference/driver_unit.h"
 
 namespace stillpoint::diag {
 namespace {

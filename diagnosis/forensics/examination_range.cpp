@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 
+#include "core/units.h"
 #include "diagnosis/forensics/examination.h"
 
 namespace stillpoint::diag::detail {
@@ -73,8 +74,8 @@ void Examination::examine_rails(Sensor s) {
 
 void Examination::examine_peaks(Sensor s) {
   static const std::vector<double> none,
-      acc_mps2 = scaled({2, 4, 6, 8, 12, 16, 20, 24, 32, 40, 64, 100, 200, 400}, 9.80665),
-      gyr_radps = scaled({125, 250, 450, 500, 1000, 2000, 4000}, M_PI / 180.0);
+      acc_mps2 = scaled({2, 4, 6, 8, 12, 16, 20, 24, 32, 40, 64, 100, 200, 400}, kStandardGravity_mps2),
+      gyr_radps = scaled({125, 250, 450, 500, 1000, 2000, 4000}, kRadPerDeg);
   const auto peaks = find_clipped_peaks(axes_[s], s == kAcc ? acc_mps2 : s == kGyr ? gyr_radps : none);
   if (!peaks) return;
   std::array<bool, 3> hit{};

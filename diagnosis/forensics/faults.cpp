@@ -1,4 +1,5 @@
 #include "diagnosis/forensics/faults.h"
+#include "core/median.h"
 
 #include <algorithm>
 #include <cmath>
@@ -25,13 +26,6 @@ double off_neighbours(const std::vector<double>& y, std::size_t i) {
   return y[i] - (4.0 * (y[i - 1] + y[i + 1]) - y[i - 2] - y[i + 2]) / 6.0;
 }
 
-double median_of(std::vector<double> x) {
-  if (x.empty()) return 0.0;
-  const auto middle = x.begin() + static_cast<std::ptrdiff_t>(x.size() / 2);
-  std::nth_element(x.begin(), middle, x.end());
-  return *middle;
-}
-
 struct Spike {
   std::size_t row = 0;
   double size = 0.0, scale = 0.0;
@@ -47,7 +41,7 @@ std::vector<Spike> spikes_of(const Axis& a) {
     for (std::size_t i = b; i < e; ++i) off.push_back(off_neighbours(a.y, i));
     for (const double x : off)
       if (std::isfinite(x)) size.push_back(std::abs(x));
-    const double scale = std::max({1.4826 * median_of(size), 0.3 * a.grain(), a.noise_sd});
+    const double scale = std::max({1.4826 * median(size), 0.3 * a.grain(), a.noise_sd});
     for (std::size_t i = b; i < e; ++i) {
       const double x = off[i - b];
       const double beside = std::abs(a.y[i + 1] - a.y[i - 1]);

@@ -1,4 +1,5 @@
 #include "diagnosis/forensics/lattice.h"
+#include "core/units.h"
 
 #include <algorithm>
 #include <array>
@@ -7,9 +8,7 @@
 namespace stillpoint::diag {
 namespace {
 
-constexpr double kGravity_mps2 = 9.80665;
-constexpr double kDegree_rad = 0.017453292519943295;
-constexpr std::array<double, 3> kUnits{1.0, kGravity_mps2, kDegree_rad};
+constexpr std::array<double, 3> kUnits{1.0, kStandardGravity_mps2, kRadPerDeg};
 constexpr double kLeastStepOverPrinted = 2.5;  // finer lattices drown in the rounding of the file
 constexpr double kFloat32Relative = 4e-7;      // numbers kept as 32-bit floats lie on a lattice of this relative step
 constexpr double kLeastEvidence_nats = 30.0;   // chance of as regular values from a continuous law: e^-30

@@ -2,8 +2,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/median.h"
 #include "diagnosis/forensics/detail.h"
-#include "diagnosis/median.h"
 
 namespace stillpoint::diag::detail {
 namespace {

@@ -5,8 +5,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/median.h"
 #include "core/so3.h"
-#include "diagnosis/median.h"
+#include "core/units.h"
 
 namespace stillpoint::diag::detail {
 namespace {
@@ -140,7 +141,7 @@ Finding describe(const Disturbance& d, const Interval& v) {
       : turned   ? "neither fixed in the body nor in the world: a source close by, or one that moves"
                  : fmt::format("the body turned by {:.0f} degrees meanwhile, too little to tell a source on the body "
                                  "from one in the world",
-                               d.turn_rad * 180.0 / M_PI));
+                               d.turn_rad * kDegPerRad));
   const Vec3& b = is_world ? d.world : d.body;
   const double half = 1.96 * std::sqrt((is_world ? d.scatter_world : d.scatter_body) / 3.0);
   for (int k = 0; k < 3; ++k)

@@ -5,15 +5,14 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/units.h"
 #include "simulation/effect_catalogue.h"
 
 namespace stillpoint::diag::detail {
 namespace {
 
-constexpr double kReferenceTemperature_degC = 25.0;
 constexpr double kTemperatureSmoothing_s = 1.0;
 constexpr double kVibrationWindow_s = 0.5;
-constexpr double kEarthRate_radps = 7.292e-5;
 constexpr std::size_t kMostOffsets = 60;    // more follow a drift no better
 constexpr std::size_t kLeastAttitudes = 3;  // rests, to tell laws of the accelerometer from each other
 constexpr double kStepGrid_s = 1.0, kStepMargin_s = 3.0;
@@ -40,7 +39,7 @@ class Laws {
     };
     if (!r.temp_degC.empty()) {
       tau_ = smoothed(r.temp_degC, half(kTemperatureSmoothing_s));
-      for (auto& t : tau_) t -= kReferenceTemperature_degC;
+      for (auto& t : tau_) t -= sim::kReferenceTemp_degC;
     }
     if (!r.current_A.empty()) current_ = smoothed(r.current_A, 1);
     if (!r.supply_V.empty()) {

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <utility>
 
-#include "diagnosis/median.h"
+#include "core/median.h"
 #include "diagnosis/no_reference/model.h"
 
 namespace stillpoint::diag::detail {

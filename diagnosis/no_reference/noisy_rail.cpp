@@ -7,8 +7,8 @@
 #include <cmath>
 #include <optional>
 
+#include "core/median.h"
 #include "diagnosis/forensics/forensics.h"
-#include "diagnosis/median.h"
 #include "diagnosis/no_reference/model.h"
 
 namespace stillpoint::diag::detail {

@@ -2,7 +2,7 @@
 #include <array>
 #include <cmath>
 
-#include "diagnosis/median.h"
+#include "core/median.h"
 #include "diagnosis/no_reference/model.h"
 
 namespace stillpoint::diag::detail {

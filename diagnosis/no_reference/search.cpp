@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "diagnosis/certainty.h"
 #include "diagnosis/usual_size.h"
 #include "simulation/effect_catalogue.h"
 
@@ -9,7 +10,6 @@ namespace stillpoint::diag::detail {
 namespace {
 
 constexpr double kLargestTau_s = 0.1;
-constexpr double kNatsPerCoefficient = 2.0;
 constexpr int kPassesOfGiven = 4;
 constexpr double kFlicker = 4.0;  // of the mean over half a second: parts wander by twice it from rest to rest
 constexpr int kHalvings = 12;     // of a grid's step

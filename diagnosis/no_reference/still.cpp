@@ -8,6 +8,7 @@
 #include <cmath>
 #include <optional>
 
+#include "core/median.h"
 #include "diagnosis/certainty.h"
 #include "diagnosis/finding_effect.h"
 #include "diagnosis/forensics/forensics.h"
@@ -42,8 +43,7 @@ Still cells_of(const io::Recording& r, Sensor s) {
       for (std::size_t i = c * length; i < (c + 1) * length; ++i)
         if (y[i].allFinite()) v.push_back(y[i][k]);
       if (v.empty()) v.push_back(c ? out.mean(row - 1, k) : 0.0);
-      std::nth_element(v.begin(), v.begin() + static_cast<long>(v.size() / 2), v.end());
-      out.mean(row, k) = v[v.size() / 2];
+      out.mean(row, k) = median(std::move(v));
     }
     double temp_sum = 0.0, temp_count = 0.0;
     for (std::size_t i = c * length; i < (c + 1) * length; ++i) {
@@ -124,7 +124,7 @@ Eigen::VectorXd behind(const Still& s, double tau_s) {
 std::vector<StillLaw> laws_of(const Still& s, const std::string& sensor, const std::string& unit) {
   std::vector<StillLaw> laws;
   if (s.temp.size() == 0) return laws;
-  const Eigen::VectorXd tau = s.temp.array() - 25.0;
+  const Eigen::VectorXd tau = s.temp.array() - sim::kReferenceTemp_degC;
   Eigen::MatrixXd quad(tau.size(), 2);
   quad << tau, tau.cwiseAbs2();
   laws.push_back({sensor + "_temp_lin", "D = k (T - T0)", unit, {"k"}, tau, 0.0});

@@ -1,4 +1,5 @@
 #include "diagnosis/prove/invented_law.h"
+#include "simulation/effect_catalogue.h"
 
 #include <fmt/format.h>
 
@@ -28,7 +29,7 @@ Number draw_leaf(Draw& draw, const Scene& scene) {
     const std::string& name = names[which];
     const Eigen::VectorXd& x = scene.scalars.at(name);
     // A driver counts from where the part was calibrated, not from its mean in this recording.
-    const double middle = name == "T" ? 25.0 : name == "V" ? 3.7 : 0.0;
+    const double middle = name == "T" ? sim::kReferenceTemp_degC : name == "V" ? sim::kReferenceSupply_V : 0.0;
     const double size = std::max(1e-9, (x.array() - middle).matrix().norm() / std::sqrt(static_cast<double>(x.size())));
     return {[name, middle, size](const Scene& s) -> Eigen::VectorXd {
               return (s.scalars.at(name).array() - middle) / size;

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "diagnosis/finding_effect.h"
 #include "diagnosis/prove/sha256.h"
 
 namespace stillpoint::diag {
@@ -22,18 +23,14 @@ const std::vector<std::vector<std::string>> kFamilies{{"temp_lin", "temp_quad", 
                                                       {"drift", "instability"}};
 const std::vector<std::string> kDelays{"acc_delay", "gyr_delay", "mag_delay", "sys_offset", "sys_gap", "sys_skew"};
 
-bool holds(const std::vector<std::string>& list, const std::string& x) {
-  return std::find(list.begin(), list.end(), x) != list.end();
-}
-
 bool family(const std::string& a, const std::string& b) {
-  if (a == b || (holds(kDelays, a) && holds(kDelays, b))) return true;
+  if (a == b || (contains(kDelays, a) && contains(kDelays, b))) return true;
   const auto split = [](const std::string& id) {
     return std::pair{id.substr(0, id.find('_')), id.substr(id.find('_') + 1)};
   };
   const std::pair first = split(a), second = split(b);
   return first.first == second.first && std::any_of(kFamilies.begin(), kFamilies.end(), [&](const auto& f) {
-           return holds(f, first.second) && holds(f, second.second);
+           return contains(f, first.second) && contains(f, second.second);
          });
 }
 
@@ -50,7 +47,7 @@ std::vector<Stated> stated(const Json& answer, const CaseTruth& truth) {
   for (const auto& f : answer.value("findings", Json::array())) {
     Stated s{f.value("effect", ""), {}, f};
     if (hidden && s.effect.ends_with("_drift") && !truth.effects.contains(s.effect)) s.effect = "unknown:" + s.effect;
-    if (holds(truth.allowed, s.effect) && !truth.effects.contains(s.effect)) continue;
+    if (contains(truth.allowed, s.effect) && !truth.effects.contains(s.effect)) continue;
     s.names.push_back(s.effect);
     const auto equivalent = f.value("equivalent", std::vector<std::string>{});
     for (std::size_t i = 0; i < std::min<std::size_t>(2, equivalent.size()); ++i) s.names.push_back(equivalent[i]);
@@ -160,9 +157,10 @@ CaseScore score_case(const std::string& id, const CaseTruth& truth, const Json& 
     score.said.push_back(s.effect);
     score.untrue += !s.effect.starts_with("unknown") && !names_family(s, truth);
   }
-  score.both = truth.effects.size() >= 2 && std::all_of(truth.effects.begin(), truth.effects.end(), [&](const auto& t) {
-                 return std::any_of(said.begin(), said.end(), [&](const Stated& s) { return holds(s.names, t.first); });
-               });
+  score.both =
+      truth.effects.size() >= 2 && std::all_of(truth.effects.begin(), truth.effects.end(), [&](const auto& t) {
+        return std::any_of(said.begin(), said.end(), [&](const Stated& s) { return contains(s.names, t.first); });
+      });
   for (const Stated& s : said) {
     const auto at = truth.effects.find(s.effect);
     if (at == truth.effects.end()) continue;

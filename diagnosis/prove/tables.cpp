@@ -9,7 +9,7 @@
 
 #include "diagnosis/prove/prove.h"
 
-#include "diagnosis/median.h"
+#include "core/median.h"
 
 namespace stillpoint::diag {
 namespace {

@@ -8,6 +8,7 @@
 #include <unsupported/Eigen/FFT>
 
 #include "diagnosis/discovery/law_curves.h"
+#include "simulation/effect_catalogue.h"
 
 namespace stillpoint::diag {
 namespace {
@@ -88,7 +89,7 @@ bool curve_of_one_quantity(const Signals& s, const Found& f, Sensor sensor, int 
   if (f.kind != Kind::kNamed || f.shape_name == kTrackerShape) return false;
   const std::string channel = fmt::format("{}_{}", kSensorName[sensor], kAxisName[static_cast<std::size_t>(axis)]);
   if (ends_with_one_of(f.id, {"_temp_lin", "_temp_quad"})) {
-    out.driver = s.temperature_K.array() + kReferenceTemperature_degC;
+    out.driver = s.temperature_K.array() + sim::kReferenceTemp_degC;
     out.label = "temperature, degC";
   } else if (ends_with_one_of(f.id, {"_quad", "_cubic", "_asym", "_sat"})) {
     out.driver = s.vector[sensor].col(axis);

@@ -8,8 +8,6 @@
 
 #include "diagnosis/certainty.h"
 #include "diagnosis/discovery/law_words.h"
-#include "diagnosis/finding_effect.h"
-#include "diagnosis/reference/adequacy.h"
 #include "diagnosis/reference/clock_of_rows.h"
 #include "diagnosis/reference/columns.h"
 #include "diagnosis/reference/curves.h"

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "core/units.h"
 #include "diagnosis/discovery/law_delta.h"
 #include "diagnosis/reference/apparatus.h"
 #include "diagnosis/reference/clock_of_rows.h"
@@ -16,7 +17,6 @@ namespace stillpoint::diag {
 namespace {
 
 constexpr double kPpm = 1e-6;
-constexpr double kEarthRate_radps = 7.292115e-5;
 constexpr double kNoLimit_uT = 1e5;
 constexpr std::array<const char*, kSensors> kLevelKey{"L_mps2", "L_radps", "L_uT"};
 constexpr std::array<const char*, kSensors> kLineKey{"b_mps2", "b_radps", "b_uT"};

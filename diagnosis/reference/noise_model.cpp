@@ -5,7 +5,7 @@
 #include <complex>
 #include <numbers>
 
-#include "diagnosis/median.h"
+#include "core/median.h"
 
 namespace stillpoint::diag {
 namespace {

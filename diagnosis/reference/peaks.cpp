@@ -6,6 +6,7 @@
 #include <numbers>
 #include <unsupported/Eigen/FFT>
 
+#include "core/median.h"
 #include "diagnosis/reference/fast_length.h"
 #include "diagnosis/reference/golden_section.h"
 
@@ -45,9 +46,8 @@ Series over_background(const Series3& x) {
     const Series power = spectrum.head(bins).cwiseAbs2();
     for (Eigen::Index first = 0; first < bins; first += kBand) {
       const Eigen::Index last = bins - first < 2 * kBand ? bins : first + kBand;
-      std::vector<double> sorted(power.data() + first, power.data() + last);
-      std::nth_element(sorted.begin(), sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2), sorted.end());
-      const double mean = sorted[sorted.size() / 2] / std::numbers::ln2;  // median of an exponential
+      const double middle = median(std::vector<double>(power.data() + first, power.data() + last));
+      const double mean = middle / std::numbers::ln2;  // an exponential's
       sum.segment(first, last - first) += power.segment(first, last - first) / std::max(mean, 1e-300);
       if (last == bins) break;
     }

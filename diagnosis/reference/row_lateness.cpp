@@ -6,7 +6,6 @@
 #include <cmath>
 
 #include "diagnosis/reference/columns.h"
-#include "diagnosis/reference/rest.h"
 
 namespace stillpoint::diag {
 namespace {

@@ -7,6 +7,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "diagnosis/certainty.h"
+#include "diagnosis/finding_effect.h"
 #include "diagnosis/reference/adequacy.h"
 #include "diagnosis/reference/evidence.h"
 #include "diagnosis/reference/judge.h"
@@ -20,17 +22,12 @@
 namespace stillpoint::diag {
 namespace {
 
-constexpr double kNatsPerCoefficient = 2.0;
 constexpr double kNatsForTheName = 5.0;    // log of the number of laws
 constexpr double kNatsForTheWindow = 8.0;  // log of the number of windows
 // Of a name, for each power of ten that its numbers are smaller than usual: slow noise resembles every law a little.
 constexpr double kNatsADecade = 8.0;
 constexpr double kLeastShareBesideUnknown = 0.1;  // a product stands for the true law to that much only
 constexpr std::size_t kShortNamed = 6, kShortUnknown = 3, kShortBesideWalk = 3;
-
-bool holds(const std::vector<std::string>& list, const std::string& id) {
-  return std::find(list.begin(), list.end(), id) != list.end();
-}
 
 double net_of(const Candidate& c) { return c.gain_nats - charge(static_cast<std::size_t>(c.coefficients), c.window); }
 
@@ -194,7 +191,7 @@ SensorSearch start_search(const Signals& s, Sensor sensor, const std::vector<std
   search.laws = make_laws(s, sensor);
   search.unknown = make_unknown_laws(s, sensor);
   search.deleted = without;
-  std::erase_if(search.laws, [&](const Law& law) { return holds(without, law.id); });
+  std::erase_if(search.laws, [&](const Law& law) { return contains(without, law.id); });
   std::erase_if(search.unknown, [&](const Law& product) {
     return std::any_of(search.laws.begin(), search.laws.end(),
                        [&](const Law& law) { return law.id == product.form_of; });
@@ -214,7 +211,7 @@ std::optional<Found> next_effect(const Signals& s, SensorSearch& search) {
   const bool responded = responds(search);
   std::vector<Found> refined;
   if (!responded) refined = refine_timing(s, search, shortlist, noise);
-  if (const auto line = line_in(s, search); line && !holds(search.deleted, line->id)) refined.push_back(*line);
+  if (const auto line = line_in(s, search); line && !contains(search.deleted, line->id)) refined.push_back(*line);
   for (Candidate c : shortlist) {
     const Law& law = search.law(c.law);
     if (law.kind == Kind::kTiming || (responded && is_response(law.id))) continue;

@@ -2,8 +2,6 @@
 
 #include <algorithm>
 
-#include "diagnosis/median.h"
-
 namespace stillpoint::diag {
 
 Series3 filled3(const std::vector<Vec3>& column) {

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "core/median.h"
 #include "core/types.h"
 
 namespace stillpoint::diag {
@@ -54,6 +55,7 @@ void each_run(Eigen::Index n, const Holds& holds, const Visit& visit) {
 /// Over `half` neighbours on either side, fewer at the ends: symmetric, so a slope is not shifted.
 [[nodiscard]] Series moving_mean(const Series& x, Eigen::Index half);
 
-[[nodiscard]] double quantile(const Series& x, double share);  ///< as in diagnosis/median.h
+using stillpoint::quantile;
+[[nodiscard]] double quantile(const Series& x, double share);  ///< as in core/median.h
 
 }  // namespace stillpoint::diag

@@ -9,6 +9,7 @@
 
 #include "core/result.h"
 #include "core/types.h"
+#include "core/units.h"
 #include "diagnosis/forensics/forensics.h"
 #include "diagnosis/reference/differences.h"
 #include "io/recording.h"
@@ -37,7 +38,7 @@ struct Signals {
   double jitter_sd_s = 0.0;                ///< of the times of the rows, where they are white deviations
   std::array<Series3, kSensors> by_times;  ///< what they do, taken out of the residuals; empty: nothing
   double reference_jitter_rad = 0.0;
-  double gravity_mps2 = 9.80665, latitude_rad = 0.85;
+  double gravity_mps2 = kStandardGravity_mps2, latitude_rad = 0.85;
   Vec3 field_world_uT = Vec3::Zero();
   std::array<bool, kSensors> present{};
   std::array<sim::TriadConfig, kSensors> given;  ///< H and B as configured
@@ -70,8 +71,6 @@ struct Signals {
   [[nodiscard]] double duration_s() const { return static_cast<double>(n) * dt_s; }
   [[nodiscard]] bool compared(Sensor k) const { return present[k] && residual[k].rows() > 0; }
 };
-
-inline constexpr double kReferenceTemperature_degC = 25.0;
 
 /// Pre: the recording has at least 2 rows. Fails (65) when nothing of it can be compared: no sensor of the simulation
 /// in it. `muted` comes from the forensics, one mask a sensor, empty for none. `log`: takes the place of what the

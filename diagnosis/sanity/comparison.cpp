@@ -7,8 +7,8 @@
 #include <cmath>
 
 #include "core/directions.h"
+#include "core/median.h"
 #include "core/so3.h"
-#include "diagnosis/median.h"
 
 namespace stillpoint::diag::detail {
 namespace {

@@ -3,7 +3,7 @@
 #include <utility>
 #include <vector>
 
-#include "diagnosis/median.h"
+#include "core/median.h"
 #include "io/recording.h"
 
 namespace stillpoint::diag::detail {

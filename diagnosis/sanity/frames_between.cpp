@@ -5,8 +5,8 @@
 #include <iterator>
 #include <map>
 
+#include "core/median.h"
 #include "diagnosis/forensics/lattice.h"
-#include "diagnosis/median.h"
 
 namespace stillpoint::diag {
 namespace {

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "diagnosis/median.h"
+#include "core/median.h"
 
 namespace stillpoint::diag {
 namespace {

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/units.h"
 #include "diagnosis/sanity/reference_checks.h"
 #include "diagnosis/sanity/units.h"
 
@@ -87,7 +88,7 @@ std::string fault(const Accelerations& a) {
           words);
     const double off_rad = std::acos(std::clamp(0.5 * (turn.trace() - 1.0), -1.0, 1.0));
     if (off_rad > 0.35)
-      return fmt::format("its world is turned by {:.0f} degrees against that of the orientation", off_rad * kDegrees);
+      return fmt::format("its world is turned by {:.0f} degrees against that of the orientation", off_rad * kDegPerRad);
     return {};
   }
   if (now.correlation() > kAway || moved_mps2 < 2 * kSeen_mps2) return {};

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/directions.h"
+#include "core/units.h"
 #include "diagnosis/sanity/reference_checks.h"
 #include "diagnosis/sanity/units.h"
 
@@ -41,7 +42,7 @@ void check_heading(const Comparison& c, const sim::SimulationConfig& config, San
       kMag, fmt::format(
                 "mag: in the world of the reference the field is ({:.1f}, {:.1f}, {:.1f}) uT, {:.0f} degrees from the "
                 "simulation's field_world_uT: set that field, or turn the reference to ENU",
-                mean->x(), mean->y(), mean->z(), angle_rad(*mean, field) * kDegrees));
+                mean->x(), mean->y(), mean->z(), angle_rad(*mean, field) * kDegPerRad));
 }
 
 /// A field that does not turn with the body is not measured on it. Offsets, however large, do not matter here.

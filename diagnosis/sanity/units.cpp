@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "diagnosis/median.h"
+#include "core/median.h"
 #include "diagnosis/sanity/sanity.h"
 
 namespace stillpoint::diag::detail {

@@ -2,6 +2,7 @@
 #pragma once
 #include <span>
 
+#include "core/units.h"
 #include "diagnosis/sanity/sanity.h"
 
 namespace stillpoint::diag::detail {
@@ -11,13 +12,10 @@ struct UnitMistake {
   const char* words;  ///< what they look like, and what to do
 };
 
-inline constexpr double kG_mps2 = 9.80665;
-inline constexpr double kDegrees = 57.29577951308232;
-
 inline constexpr UnitMistake kForceUnits[] = {
-    {1.0 / kG_mps2, "g instead of m/s^2"},
-    {1e3 / kG_mps2, "milli-g instead of m/s^2"},
-    {kG_mps2, "m/s^2 multiplied by g once too often"},
+    {1.0 / kStandardGravity_mps2, "g instead of m/s^2"},
+    {1e3 / kStandardGravity_mps2, "milli-g instead of m/s^2"},
+    {kStandardGravity_mps2, "m/s^2 multiplied by g once too often"},
     {3.28084, "feet/s^2 instead of m/s^2"},
 };
 inline constexpr UnitMistake kFieldUnits[] = {
@@ -25,11 +23,11 @@ inline constexpr UnitMistake kFieldUnits[] = {
     {1e-3, "mT instead of uT"},         {1e-6, "tesla instead of uT"},
 };
 inline constexpr UnitMistake kRateUnits[] = {
-    {kDegrees, "degrees per second; name the columns gyr_x_dps ... or convert them"},
-    {1e3 * kDegrees, "milli-degrees per second; divide by 1000 and name the columns gyr_x_dps ..."},
+    {kDegPerRad, "degrees per second; name the columns gyr_x_dps ... or convert them"},
+    {1e3 * kDegPerRad, "milli-degrees per second; divide by 1000 and name the columns gyr_x_dps ..."},
     {1e3, "milliradians per second, or raw counts at 2000 deg/s (16.4 a deg/s); convert them"},
     {9.549297, "revolutions per minute; multiply by 0.10472"},
-    {1.0 / kDegrees, "radians per second divided by 57.3 once too often, or named gyr_x_dps by mistake"},
+    {1.0 / kDegPerRad, "radians per second divided by 57.3 once too often, or named gyr_x_dps by mistake"},
 };
 inline constexpr UnitMistake kLengthUnits[] = {
     {1e3, "millimetres; divide by 1000"},    {100.0, "centimetres; divide by 100"},

@@ -7,15 +7,16 @@
 
 #include "calib_online/online_calibrator.h"
 #include "calib_online/rest_detector.h"
+#include "diagnosis/certainty.h"
+#include "simulation/effect_catalogue.h"
 
 namespace stillpoint::diag {
 namespace {
 
-constexpr double kReference_degC = 25.0;
-constexpr std::size_t kFewest = 8;      // offsets along the recording, to speak of a course
-constexpr double kLeastWay = 6.0;       // of the offset, in its own standard deviations
-constexpr double kAbstain_nats = 10.0;  // beyond the charge for three numbers
-constexpr double kNatsPerCoefficient = 2.0;
+constexpr std::size_t kFewest = 8;  // offsets along the recording, to speak of a course
+constexpr double kLeastWay = 6.0;   // of the offset, in its own standard deviations
+// Beyond the charge for three numbers: more than a law without a course needs, as a bias in motion is a filter's word.
+constexpr double kAbstainOnCourse_nats = 10.0;
 constexpr double kReplayed = 1e-5;  // rad/s/K: small beside what the calibration takes for an outlier
 
 TriadCalibration factory(const sim::TriadConfig& t) {
@@ -57,7 +58,7 @@ Trajectory calibrate_along(const io::Recording& recording, const sim::Simulation
     const auto window = detector.push(recording.sample(row), calibrator.snapshot());
     if (!window) continue;
     calib::Window replayed = *window;
-    const double tau_K = window->temp_degC - kReference_degC;
+    const double tau_K = window->temp_degC - sim::kReferenceTemp_degC;
     vec(replayed.gyr_radps) += simulation.gyroscope->matrix.inverse() * Vec3::Constant(kReplayed * tau_K);
     copy.absorb(replayed);
     if (!calibrator.absorb(*window)) continue;
@@ -99,7 +100,7 @@ std::vector<std::string> examine(const Trajectory& t, bool temperature_recorded)
       moved[axis], "xyz"[axis]);
   if (!temperature_recorded) return {course + "; whether after temperature is not known: record temp_degC"};
   const Followed f = follow_temperature(t);
-  if (f.gain_nats < kAbstain_nats + 3.0 * kNatsPerCoefficient) return {course + ", after no recorded quantity"};
+  if (f.gain_nats < kAbstainOnCourse_nats + 3.0 * kNatsPerCoefficient) return {course + ", after no recorded quantity"};
   return {
       fmt::format("{}, after temperature: k = ({:.2g} +- {:.1g}, {:.2g} +- {:.1g}, {:.2g} +- {:.1g}) rad/s/K. It is "
                   "physics (gyr_temp_lin or a relative) that calibrated readings no longer show",

@@ -7,7 +7,7 @@
 
 #include "core/so3.h"
 #include "core/units.h"
-#include "tests/apps/apps_testing.h"
+#include "tests/apps/tool_in_folder.h"
 
 namespace stillpoint::test {
 namespace {
@@ -20,13 +20,8 @@ constexpr double kRest_s = 4.0, kTurn_s = 2.0;
 const Quat kLevel = Quat::Identity(), kFrontUp = exp_quat(Vec3(0, -std::numbers::pi / 2, 0)),
            kLeftUp = exp_quat(Vec3(std::numbers::pi / 2, 0, 0));
 
-class CalibrateMount : public ::testing::Test {
+class CalibrateMount : public ToolInFolder {
  protected:
-  int tool(const std::string& arguments) {
-    const int code = run("cd " + (folder_ / ".") + " && " + STILLPOINT + " " + arguments, folder_ / "err");
-    told_ = read_file(folder_ / "err");
-    return code;
-  }
   /// A recording of these poses, by sensors of which these matrices lead to the body.
   void simulate(const std::vector<Quat>& poses, const Mat3& acc, const Mat3& gyr, const Mat3& mag) {
     std::ostringstream motion;
@@ -73,8 +68,6 @@ class CalibrateMount : public ::testing::Test {
     }
     return worst_rad * kDegPerRad;
   }
-  ScratchFolder folder_;
-  std::string told_;
 };
 
 const std::vector<Quat> kPoses{kLevel, kFrontUp, kLeftUp, kLevel};

@@ -5,6 +5,7 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
+#include "core/units.h"
 #include "tests/apps/apps_testing.h"
 #include "tests/calib_online/synthetic.h"
 
@@ -70,7 +71,7 @@ class CalibrateTurns : public ::testing::Test {
     Motion motion;
     if (rate) motion.rate_radps = std::move(rate);
     source.run(seconds, motion, [&csv](const RawSample& s) {
-      csv << 1e-9 * static_cast<double>(s.t_ns - 1'000'000'000);
+      csv << in_seconds(s.t_ns - 1'000'000'000);
       for (const double v : s.acc_mps2) csv << ',' << v;
       for (const double v : s.gyr_radps) csv << ',' << v;
       csv << '\n';

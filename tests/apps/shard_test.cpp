@@ -3,7 +3,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "tests/apps/apps_testing.h"
+#include "tests/apps/tool_in_folder.h"
 
 namespace stillpoint::test {
 namespace {
@@ -11,7 +11,7 @@ namespace {
 using ::testing::AllOf;
 using ::testing::HasSubstr;
 
-class Shards : public ::testing::Test {
+class Shards : public ToolInFolder {
  protected:
   void SetUp() override {
     write_file(folder_ / "sim.yaml", "accelerometer: {noise_mps2: 0.02}\nmotion: {kind: hand, duration_s: 2}\n");
@@ -20,18 +20,11 @@ class Shards : public ::testing::Test {
     for (const std::string name : {"b", "c", "d", "e"})
       std::filesystem::copy_file(folder_ / "a.csv", folder_ / (name + ".csv"));
   }
-  int tool(const std::string& arguments) {
-    const int code = run("cd " + (folder_ / ".") + " && " + STILLPOINT + " " + arguments, folder_ / "err");
-    told_ = read_file(folder_ / "err");
-    return code;
-  }
   int shard(const std::string& name, const std::string& recordings = "a.csv b.csv c.csv d.csv e.csv") {
     return tool("estimate --config config.yaml --output att --shard " + name + " --json " + name.substr(0, 1) +
                 ".json --recording " + recordings + " > out");
   }
   nlohmann::json json(const std::string& name) { return nlohmann::json::parse(read_file(folder_ / name)); }
-  ScratchFolder folder_;
-  std::string told_;
 };
 
 TEST_F(Shards, TogetherAreWhatOneRunWouldHaveWritten) {

@@ -38,9 +38,9 @@ struct Field {
       const std::function<Vec3(double)>& world_uT = [](double) { return Vec3(Vec3::Zero()); }) {
     source.run(duration_s, motion, [&](RawSample s) {
       // What the world adds is seen through the same body and the same sensor.
-      const Vec3 added = source.attitude().conjugate() * world_uT(kSecondsPerNs * static_cast<double>(s.t_ns));
+      const Vec3 added = source.attitude().conjugate() * world_uT(in_seconds(s.t_ns));
       vec(s.mag_uT) += source.truth().H_mag.inverse() * added;
-      if (auto turn = finder.push(s, 0, calibrator.snapshot())) {
+      if (auto turn = finder.push(s, 0, calibrator.snapshot(), {})) {
         ++turns;
         calibrator.absorb(*turn);
       }
@@ -151,15 +151,15 @@ TEST(FieldTurns, GapsClippingAndHeldReadingsGiveNoTurn) {
   std::vector<RawSample> samples;
   source.run(20.0, restless(), [&](const RawSample& s) { samples.push_back(s); });
   int clipped = 0, gaps = 0, held = 0, sound = 0;
-  for (const RawSample& s : samples) sound += finder.push(s, 0, {}).has_value();
+  for (const RawSample& s : samples) sound += finder.push(s, 0, {}, {}).has_value();
   finder = {};
-  for (const RawSample& s : samples) clipped += finder.push(s, kMag, {}).has_value();
+  for (const RawSample& s : samples) clipped += finder.push(s, kMag, {}, {}).has_value();
   finder = {};
-  for (std::size_t k = 0; k < samples.size(); k += 40) gaps += finder.push(samples[k], 0, {}).has_value();
+  for (std::size_t k = 0; k < samples.size(); k += 40) gaps += finder.push(samples[k], 0, {}, {}).has_value();
   finder = {};
   for (RawSample s : samples) {
     s.mag_uT = samples[0].mag_uT;
-    held += finder.push(s, 0, {}).has_value();
+    held += finder.push(s, 0, {}, {}).has_value();
   }
   EXPECT_GT(sound, 15);
   EXPECT_EQ(clipped + gaps + held, 0);

@@ -49,7 +49,7 @@ class Bench {
     return {begin_s, now_s() - 1.0, 2.0 * std::numbers::pi, kHand_rad};
   }
 
-  [[nodiscard]] double now_s() const { return t_ns.empty() ? 0.0 : 1e-9 * static_cast<double>(t_ns.back() - t_ns[0]); }
+  [[nodiscard]] double now_s() const { return t_ns.empty() ? 0.0 : in_seconds(t_ns.back() - t_ns[0]); }
   [[nodiscard]] Result<KnownTurn> known(const StatedTurn& stated) const {
     constexpr double kBiasSd_radps = 1e-4;
     return known_turn(stated, t_ns, gyr_radps, truth_.b_gyr, Mat3(kBiasSd_radps * kBiasSd_radps * Mat3::Identity()));

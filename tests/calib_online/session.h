@@ -23,7 +23,7 @@ struct Session {
 
   void live(double duration_s, const Motion& motion = {}) {
     source.run(duration_s, motion, [this](const RawSample& s) {
-      if (const auto turn = field_turns.push(s, 0, calibrator.snapshot())) calibrator.absorb(*turn);
+      if (const auto turn = field_turns.push(s, 0, calibrator.snapshot(), {})) calibrator.absorb(*turn);
       if (auto w = detector.push(s, calibrator.snapshot())) {
         windows.push_back(*w);
         calibrator.absorb(*w);

@@ -158,7 +158,7 @@ std::vector<Finding> lying_level(int n, std::int64_t period_ns, const Rate& gyr_
     s.t_ns = period_ns * k;
     s.has = kAcc | kGyr;
     s.acc_mps2 = {acc_x + 0.03 * noise(), 0.03 * noise(), 9.8 + 0.03 * noise()};
-    s.gyr_radps = gyr_of(1e-9 * static_cast<double>(s.t_ns), noise);
+    s.gyr_radps = gyr_of(in_seconds(s.t_ns), noise);
     check.push(s);
   }
   return {check.findings().begin(), check.findings().end()};

@@ -1,6 +1,5 @@
 /// Faults of raw values on a plain synthetic hand motion, and on the recordings where what is there is known.
 #include "diagnosis/forensics/forensics.h"
-#include "tests/source_folder.h"
 
 #include <gtest/gtest.h>
 
@@ -9,19 +8,14 @@
 #include <functional>
 #include <random>
 
+#include "tests/diagnosis/simulated.h"
+#include "tests/source_folder.h"
+
 namespace stillpoint::diag {
 namespace {
 
 constexpr std::size_t kRows = 6000;
 constexpr double kRate_hz = 50.0;
-
-sim::SimulationConfig baseline() {
-  sim::SimulationConfig s;
-  s.accelerometer = sim::TriadConfig{.noise_sd = 0.02};
-  s.gyroscope = sim::TriadConfig{.noise_sd = 0.001};
-  s.magnetometer = sim::TriadConfig{.noise_sd = 0.3};
-  return s;
-}
 
 double printed(double v, double decimals) {
   const double scale = std::pow(10.0, decimals);
@@ -64,14 +58,14 @@ bool covers(const Parameter& p, double truth) { return p.ci95[0] <= truth && tru
 
 TEST(Forensics, SaysNothingOfCleanRecordings) {
   for (unsigned seed = 0; seed < 20; ++seed)
-    EXPECT_EQ(names(examine_raw_values(hand_motion(seed), baseline())), Names{});
+    EXPECT_EQ(names(examine_raw_values(hand_motion(seed), test::sensors())), Names{});
 }
 
 TEST(Forensics, DoesNotTakeTheDecimalsOfTheFileForQuantisation) {
   for (const double decimals : {3.0, 2.0}) {
     const auto r = hand_motion(
         1, [decimals](Sensor s, int, std::size_t, double v) { return printed(v, decimals + (s == kGyr ? 1 : 0)); });
-    EXPECT_EQ(names(examine_raw_values(r, baseline())), Names{}) << decimals;
+    EXPECT_EQ(names(examine_raw_values(r, test::sensors())), Names{}) << decimals;
   }
 }
 
@@ -80,7 +74,7 @@ TEST(Forensics, DoesNotTakeDegreesWrittenWithFewDecimalsForQuantisation) {
   auto r = hand_motion(2);
   for (auto& g : r.gyr_radps)
     for (int k = 0; k < 3; ++k) g[k] = printed(g[k] / degree, 2) * degree;
-  EXPECT_EQ(names(examine_raw_values(r, baseline())), Names{});
+  EXPECT_EQ(names(examine_raw_values(r, test::sensors())), Names{});
 }
 
 TEST(Forensics, DoesNotTakeFloat32ForQuantisation) {
@@ -88,21 +82,21 @@ TEST(Forensics, DoesNotTakeFloat32ForQuantisation) {
   for (auto* column : {&r.acc_mps2, &r.gyr_radps, &r.mag_uT})
     for (auto& v : *column)
       for (int k = 0; k < 3; ++k) v[k] = static_cast<double>(static_cast<float>(v[k] * 1.0173));
-  EXPECT_EQ(names(examine_raw_values(r, baseline())), Names{});
+  EXPECT_EQ(names(examine_raw_values(r, test::sensors())), Names{});
 }
 
 TEST(Forensics, TakesTheFewValuesOfALatticeAtRestForNoRail) {
   const auto r = hand_motion(6, [](Sensor s, int, std::size_t i, double v) {
     return s == kGyr ? 0.0137 * (static_cast<double>(i * i % 7 % 3) - 1.0) : v;
   });
-  for (const std::string& name : names(examine_raw_values(r, baseline()))) EXPECT_NE(name, "gyr_sat");
+  for (const std::string& name : names(examine_raw_values(r, test::sensors()))) EXPECT_NE(name, "gyr_sat");
 }
 
 TEST(Forensics, FindsTheStepOfAQuantisedSensorEvenBelowItsNoise) {
   for (const double lsb : {0.0137, 0.00023}) {
     const auto r = hand_motion(
         4, [lsb](Sensor s, int, std::size_t, double v) { return s == kGyr ? lsb * std::round(v / lsb) : v; });
-    const auto f = examine_raw_values(r, baseline());
+    const auto f = examine_raw_values(r, test::sensors());
     ASSERT_EQ(names(f), Names{"gyr_quant"}) << lsb;
     EXPECT_TRUE(covers(f.findings[0].parameters.at(0), lsb)) << lsb;
     EXPECT_EQ(f.findings[0].channels.size(), 3U);
@@ -113,7 +107,7 @@ TEST(Forensics, FindsQuantisationThatLastsForAWhileOnOneAxis) {
   const auto r = hand_motion(5, [](Sensor s, int k, std::size_t i, double v) {
     return s == kAcc && k == 1 && i >= 2000 && i < 3200 ? 0.053 * std::round(v / 0.053) : v;
   });
-  const auto f = examine_raw_values(r, baseline());
+  const auto f = examine_raw_values(r, test::sensors());
   ASSERT_EQ(names(f), Names{"acc_quant"});
   EXPECT_EQ(f.findings[0].channels, Names{"acc_y"});
   EXPECT_NEAR(f.findings[0].interval_s[0], 40.0, 3.0);
@@ -123,7 +117,7 @@ TEST(Forensics, FindsQuantisationThatLastsForAWhileOnOneAxis) {
 TEST(Forensics, FindsTheLevelAtWhichReadingsPileUp) {
   const auto r =
       hand_motion(6, [](Sensor s, int, std::size_t, double v) { return s == kGyr ? std::clamp(v, -2.51, 2.51) : v; });
-  const auto f = examine_raw_values(r, baseline());
+  const auto f = examine_raw_values(r, test::sensors());
   ASSERT_EQ(names(f), Names{"gyr_sat"});
   EXPECT_TRUE(covers(f.findings[0].parameters.at(0), 2.51));
   for (std::size_t i = 0; i < kRows; ++i)
@@ -134,13 +128,13 @@ TEST(Forensics, FindsTheLevelAtWhichReadingsPileUp) {
 TEST(Forensics, TellsTheSideOfALevelThatReadingsOfTheOtherSignGoBeyond) {
   const auto f = examine_raw_values(
       hand_motion(6, [](Sensor s, int, std::size_t, double v) { return s == kGyr ? std::min(v, 1.51) : v; }),
-      baseline());
+      test::sensors());
   ASSERT_EQ(names(f), Names{"gyr_sat"});
   ASSERT_EQ(f.effects.size(), 1U);
   EXPECT_EQ(f.effects[0].parameters.at("side"), std::vector<double>(3, 1.0));
   const auto both = examine_raw_values(
       hand_motion(6, [](Sensor s, int, std::size_t, double v) { return s == kGyr ? std::clamp(v, -1.51, 1.51) : v; }),
-      baseline());
+      test::sensors());
   ASSERT_EQ(both.effects.size(), 1U);
   EXPECT_FALSE(both.effects[0].parameters.contains("side"));
 }
@@ -149,7 +143,7 @@ TEST(Forensics, FindsALevelThatHeldForAWhile) {
   const auto r = hand_motion(7, [](Sensor s, int, std::size_t i, double v) {
     return s == kAcc && i > 3000 && i < 4200 ? std::clamp(v, -11.0, 11.0) : v;
   });
-  const auto f = examine_raw_values(r, baseline());
+  const auto f = examine_raw_values(r, test::sensors());
   ASSERT_EQ(names(f), Names{"acc_sat"});
   EXPECT_TRUE(covers(f.findings[0].parameters.at(0), 11.0));
   EXPECT_GT(f.findings[0].interval_s[0], 59.0);
@@ -160,14 +154,14 @@ TEST(Forensics, FindsARailThatACalibrationHasPulledApart) {
   auto r = hand_motion(21);
   const std::vector<std::pair<int, double>> shocks{{0, 157.3}, {1, -157.0}, {0, 156.7}, {2, 131.0}, {1, 90.0}};
   for (std::size_t k = 0; k < shocks.size(); ++k) r.acc_mps2[500 + 400 * k][shocks[k].first] = shocks[k].second;
-  const auto f = examine_raw_values(r, baseline());
+  const auto f = examine_raw_values(r, test::sensors());
   ASSERT_EQ(f.findings.size(), 1U);
   EXPECT_EQ(f.findings[0].effect, "acc_sat");
   EXPECT_NEAR(f.findings[0].parameters[0].value, 157.0, 0.4);
   ASSERT_EQ(f.effects.size(), 1U) << "the improved simulation clips";
   auto other = r;
   other.acc_mps2[500][0] = 150.0;  // shocks of different sizes are no rail
-  EXPECT_TRUE(examine_raw_values(other, baseline()).findings.empty());
+  EXPECT_TRUE(examine_raw_values(other, test::sensors()).findings.empty());
 }
 
 /// A magnetometer turns into its limit and out of it slowly, with noise of many steps.
@@ -175,7 +169,7 @@ TEST(Forensics, FindsTheRailThatNoiseRunsInto) {
   constexpr double kStep_uT = 0.015, kNoise_uT = 0.35;
   std::mt19937_64 random(3);
   std::normal_distribution<double> normal(0.0, kNoise_uT);
-  auto simulation = baseline();
+  auto simulation = test::sensors();
   simulation.magnetometer->noise_sd = kNoise_uT;
   const auto read = [&](double limit_uT) {
     return hand_motion(5, [&](Sensor s, int axis, std::size_t row, double v) {
@@ -194,7 +188,7 @@ TEST(Forensics, FindsTheRailThatNoiseRunsInto) {
 TEST(Forensics, TheTailOfTheNoiseAtRestIsNoRail) {
   std::mt19937_64 random(3);
   std::normal_distribution<double> normal(0.0, 0.25);
-  auto simulation = baseline();
+  auto simulation = test::sensors();
   simulation.magnetometer->noise_sd = 0.25;
   io::Recording r = hand_motion(5);
   for (auto& m : r.mag_uT)
@@ -214,14 +208,14 @@ TEST(Forensics, DoesNotTakeABodyAtRestOnACoarseLatticeForSaturation) {
     const double in_bout = std::fmod(static_cast<double>(i) / kRate_hz, 10.0);
     if (in_bout > 2.9) r.acc_mps2[i].z() -= 0.137 * std::round(20.0 * std::sin(M_PI * (in_bout - 2.9) / 7.1));
   }
-  EXPECT_EQ(names(examine_raw_values(r, baseline())), Names{"acc_quant"});
+  EXPECT_EQ(names(examine_raw_values(r, test::sensors())), Names{"acc_quant"});
 }
 
 TEST(Forensics, FindsHowOftenAMagnetometerGivesANewValue) {
   for (const std::size_t n : {2U, 5U}) {
     io::Recording r = hand_motion(9);
     for (std::size_t i = 0; i < kRows; ++i) r.mag_uT[i] = r.mag_uT[n * (i / n)];
-    const auto f = examine_raw_values(r, baseline());
+    const auto f = examine_raw_values(r, test::sensors());
     ASSERT_EQ(names(f), Names{"mag_hold"}) << n;
     EXPECT_EQ(f.findings[0].parameters.at(0).value, static_cast<double>(n));
     EXPECT_FALSE(f.muted(kMag, 10 * n));
@@ -235,7 +229,7 @@ TEST(Forensics, AMagnetometerThatIsSlowForAWhileIsTold) {
   for (const std::size_t n : {3U, 20U}) {
     io::Recording r = hand_motion(9);
     for (std::size_t i = 1230; i < 2770; ++i) r.mag_uT[i] = r.mag_uT[n * (i / n)];
-    const auto f = examine_raw_values(r, baseline());
+    const auto f = examine_raw_values(r, test::sensors());
     ASSERT_EQ(names(f), Names{"mag_hold"}) << n;
     EXPECT_EQ(std::round(f.findings[0].parameters.at(0).value), static_cast<double>(n));
     EXPECT_NEAR(f.findings[0].interval_s[0], 1230 / kRate_hz, 0.25) << n;
@@ -252,7 +246,7 @@ TEST(Forensics, FindsLostRowsReplacedByTheLast) {
     r.acc_mps2[i] = r.acc_mps2[i - 1], r.gyr_radps[i] = r.gyr_radps[i - 1], r.mag_uT[i] = r.mag_uT[i - 1];
     ++lost;
   }
-  const auto f = examine_raw_values(r, baseline());
+  const auto f = examine_raw_values(r, test::sensors());
   ASSERT_EQ(names(f), Names{"sys_dup"});
   EXPECT_DOUBLE_EQ(f.findings[0].parameters.at(0).value, static_cast<double>(lost) / kRows);
   EXPECT_TRUE(covers(f.findings[0].parameters.at(0), 1.0 / 200));
@@ -262,13 +256,13 @@ TEST(Forensics, FindsTheDeadZoneOfASelfZeroingGyro) {
   const double d = 0.006;
   const auto r =
       hand_motion(12, [d](Sensor s, int, std::size_t, double v) { return s == kGyr && std::abs(v) < d ? 0.0 : v; });
-  const auto f = examine_raw_values(r, baseline());
+  const auto f = examine_raw_values(r, test::sensors());
   ASSERT_EQ(names(f), Names{"gyr_deadzone"});
   EXPECT_TRUE(covers(f.findings[0].parameters.at(0), d));
 }
 
 TEST(Forensics, SaysNothingOfAnEffectThatTheSimulationAlreadyHas) {
-  auto simulation = baseline();
+  auto simulation = test::sensors();
   simulation.effects.push_back({.id = "gyr_sat", .parameters = {}, .axes = {}, .window_s = {}});
   const auto r =
       hand_motion(6, [](Sensor s, int, std::size_t, double v) { return s == kGyr ? std::clamp(v, -2.51, 2.51) : v; });
@@ -282,7 +276,7 @@ TEST(Forensics, FindsTheSlowMagnetometerAndTheLostRowsOfBroad) {
   if (!std::filesystem::exists(path)) GTEST_SKIP() << "LOUD: SKIPPED, recording absent: " << path;
   const auto r = io::read_recording(path);
   ASSERT_TRUE(r.has_value());
-  const auto f = examine_raw_values(*r, baseline());
+  const auto f = examine_raw_values(*r, test::sensors());
   ASSERT_FALSE(f.findings.empty());
   EXPECT_EQ(f.findings[0].effect, "mag_hold");
   EXPECT_NEAR(f.findings[0].parameters[0].value, 2.82, 0.03);  // 100 Hz in a file of 285.7 Hz

@@ -8,6 +8,7 @@
 #include <random>
 
 #include "core/so3.h"
+#include "tests/diagnosis/simulated.h"
 
 namespace stillpoint::diag {
 namespace {
@@ -17,11 +18,8 @@ using testing::HasSubstr;
 constexpr double kStep_s = 0.02;
 
 sim::SimulationConfig baseline() {
-  sim::SimulationConfig s;
+  sim::SimulationConfig s = test::sensors();
   s.rate_hz = 1 / kStep_s;
-  s.accelerometer = sim::TriadConfig{.noise_sd = 0.02};
-  s.gyroscope = sim::TriadConfig{.noise_sd = 0.001};
-  s.magnetometer = sim::TriadConfig{.noise_sd = 0.3};
   return s;
 }
 

@@ -16,13 +16,21 @@ namespace stillpoint::diag::test {
 
 using Parameters = std::map<std::string, std::vector<double>>;
 
+/// Three sensors that are right but for their noise.
+inline sim::SimulationConfig sensors() {
+  sim::SimulationConfig s;
+  s.accelerometer = sim::TriadConfig{.noise_sd = 0.02};
+  s.gyroscope = sim::TriadConfig{.noise_sd = 0.001};
+  s.magnetometer = sim::TriadConfig{.noise_sd = 0.3};
+  return s;
+}
+
 /// `reference`: exact, mocap or none.
 inline sim::SimulationConfig baseline(const std::string& reference, double duration_s = 100.0) {
-  sim::SimulationConfig s;
+  sim::SimulationConfig s = sensors();
   s.rate_hz = 50;
-  s.accelerometer = sim::TriadConfig{.noise_sd = 0.02};
-  s.gyroscope = sim::TriadConfig{.bias = Vec3(0.01, -0.004, 0.002), .noise_sd = 0.001};
-  s.magnetometer = sim::TriadConfig{.bias = Vec3(3, -5, 2), .noise_sd = 0.3};
+  s.gyroscope->bias = Vec3(0.01, -0.004, 0.002);
+  s.magnetometer->bias = Vec3(3, -5, 2);
   s.motion = sim::MotionConfig{};
   s.motion->duration_s = duration_s;
   s.reference.kind = reference;

@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "core/units.h"
 #include "io/recording.h"
 #include "simulation/simulator.h"
 #include "tests/scratch_folder.h"
@@ -40,7 +41,7 @@ struct Written {
 inline std::string table(const std::vector<RawSample>& samples, const Written& w) {
   std::string text = w.header + "\n";
   for (const RawSample& s : samples) {
-    const double t = 1e-9 * static_cast<double>(s.t_ns) * w.time_factor;
+    const double t = in_seconds(s.t_ns) * w.time_factor;
     text += w.time_origin != 0 ? std::to_string(w.time_origin + std::llround(t)) : fmt::format("{:.9f}", t);
     for (const auto& [vector, factor] : w.vectors)
       for (const double x : s.*vector) text += w.separator + fmt::format("{:.9g}", x * factor);

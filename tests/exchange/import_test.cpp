@@ -146,8 +146,8 @@ TEST(Import, ATableWithOneSensorARowIsReadWhicheverComesFirst) {
       for (std::size_t i = 0; i < truth.size(); ++i) {
         const bool acc = (i % 2 == 0) == acc_first;
         const auto& [x, y, z] = acc ? truth[i].acc_mps2 : truth[i].gyr_radps;
-        text += fmt::format(fmt::runtime(acc ? "{},{},{},{},,,\n" : "{},,,,{},{},{}\n"),
-                            1e-9 * static_cast<double>(truth[i].t_ns), x, y, z);
+        text += fmt::format(fmt::runtime(acc ? "{},{},{},{},,,\n" : "{},,,,{},{},{}\n"), in_seconds(truth[i].t_ns), x,
+                            y, z);
       }
       std::replace(text.begin(), text.end(), ',', separator);
       const auto& r = read(file("union.csv", text)).recording;

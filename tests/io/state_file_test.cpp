@@ -1,10 +1,11 @@
 #include "io/state_file.h"
 
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <filesystem>
 #include <fstream>
+
+#include "tests/scratch_folder.h"
 
 namespace stillpoint::io {
 namespace {
@@ -13,17 +14,13 @@ namespace fs = std::filesystem;
 
 class StateFile : public ::testing::Test {
  protected:
-  void SetUp() override {
-    std::string pattern = (fs::temp_directory_path() / "stillpoint-state-XXXXXX").string();
-    folder_ = mkdtemp(pattern.data());
-  }
-  void TearDown() override { fs::remove_all(folder_); }
   static std::span<const std::byte> bytes(const std::string& text) { return std::as_bytes(std::span(text)); }
   static std::string text(const StateStore::Loaded& loaded) {
     return {reinterpret_cast<const char*>(loaded.payload.data()), loaded.payload.size()};
   }
   static std::string anything(std::span<const std::byte>) { return {}; }
-  std::string folder_;
+  test::ScratchFolder scratch_;
+  const std::string folder_ = scratch_ / ".";
 };
 
 TEST_F(StateFile, GivesBackTheNewestAndKeepsTheOnesBefore) {

@@ -1,6 +1,7 @@
 /// What was learnt takes effect a fixed delay after its evidence, however much evidence follows.
 #include <gtest/gtest.h>
 
+#include "core/units.h"
 #include "pipeline/stages.h"
 #include "tests/pipeline/samples.h"
 
@@ -18,7 +19,7 @@ double first_used_s(double answer_delay_s) {
   const auto samples = test::hand_samples(90.0);
   for (const RawSample& sample : samples) {
     stages.process(sample, out, link);
-    if (stages.live().version > 0) return 1e-9 * static_cast<double>(sample.t_ns - samples.front().t_ns);
+    if (stages.live().version > 0) return in_seconds(sample.t_ns - samples.front().t_ns);
   }
   return 90.0;
 }

@@ -71,7 +71,7 @@ TEST(Assemble, ReadingsOfTheirOwnJoinTheFirstGyroscopeReadingThatIsLateEnough) {
 /// the body's own field is and however fast it turns.
 TEST(Assemble, AReadingIsUsedInTheAttitudeOfItsOwnStamp) {
   const Vec3 rate(3.0, -5.0, 8.0), field(20, 5, -43), iron(600, -200, 100);
-  const auto attitude = [&](std::int64_t t_ns) { return exp_quat(Vec3(rate * (1e-9 * static_cast<double>(t_ns)))); };
+  const auto attitude = [&](std::int64_t t_ns) { return exp_quat(Vec3(rate * (in_seconds(t_ns)))); };
   Front front;
   double worst_uT = 0.0;
   int seen = 0;

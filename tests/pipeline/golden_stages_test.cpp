@@ -5,6 +5,7 @@
 #include <iomanip>
 #include <limits>
 
+#include "core/units.h"
 #include "tests/golden.h"
 #include "tests/pipeline/simulated_run.h"
 
@@ -28,7 +29,7 @@ std::string line(const Processed& out, const Stages& stages) {
     for (const auto& x : values) text << x << ' ';
   };
   const AttitudeMessage m = to_message(out);
-  text << 1e-9 * static_cast<double>(m.t_ns) << ' ' << m.sequence << ' ' << m.calibration_version << ' ';
+  text << in_seconds(m.t_ns) << ' ' << m.sequence << ' ' << m.calibration_version << ' ';
   put(m.q_world_body_xyzw);
   put(m.rate_radps);
   put(m.gyro_bias_radps);
@@ -36,8 +37,7 @@ std::string line(const Processed& out, const Stages& stages) {
   text << m.temp_degC << ' ' << m.at_rest << ' ' << static_cast<int>(m.status) << ' '
        << static_cast<int>(m.heading_reference) << ' ';
   for (const SensorHealth& h : {m.health.acc, m.health.gyr, m.health.mag, m.health.temp})
-    text << static_cast<int>(h.state) << ' ' << static_cast<int>(h.fault) << ' '
-         << 1e-9 * static_cast<double>(h.since_ns) << ' ';
+    text << static_cast<int>(h.state) << ' ' << static_cast<int>(h.fault) << ' ' << in_seconds(h.since_ns) << ' ';
   const CalibrationSnapshot& learnt = stages.live();
   for (const TriadCalibration& t : {learnt.acc, learnt.gyr, learnt.mag}) {
     put(t.bias);
@@ -55,7 +55,7 @@ template <class Change>
 std::string trace_of(const StagesParams& params, const Change& change) {
   test::GoldenTrace trace{4'000'000'000};
   test::run_spoiled(
-      kSensor, params, 5, [&change](RawSample& s) { return change(1e-9 * static_cast<double>(s.t_ns), s); },
+      kSensor, params, 5, [&change](RawSample& s) { return change(in_seconds(s.t_ns), s); },
       [&trace](const sim::SimulatedSample&, const Processed& out, const Stages& stages) {
         trace.add(out.attitude.t_ns, [&] { return line(out, stages); });
       });

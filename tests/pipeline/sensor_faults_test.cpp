@@ -8,6 +8,7 @@
 #include <thread>
 #include <vector>
 
+#include "core/units.h"
 #include "pipeline/calibration_loop.h"
 #include "tests/pipeline/samples.h"
 
@@ -50,7 +51,7 @@ std::vector<RawSample> changed(double from_s, double to_s, const std::function<v
   std::vector<RawSample> samples = test::hand_samples(120.0);
   const std::int64_t start_ns = samples.front().t_ns;
   for (RawSample& s : samples) {
-    const double t_s = 1e-9 * static_cast<double>(s.t_ns - start_ns);
+    const double t_s = in_seconds(s.t_ns - start_ns);
     if (t_s >= from_s && t_s < to_s) change(s);
   }
   return samples;

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/units.h"
 #include "tests/pipeline/simulated_run.h"
 
 namespace stillpoint::pipeline {
@@ -25,7 +26,7 @@ Errors errors(const std::string& simulation, const StagesParams& params, std::ui
   Errors sum;
   int n = 0;
   test::run_simulated(simulation, params, seed, [&](const sim::SimulatedSample& truth, const Processed& out) {
-    if (1e-9 * static_cast<double>(truth.sample.t_ns) < from_s) return;
+    if (in_seconds(truth.sample.t_ns) < from_s) return;
     const Vec3 error = test::world_error(truth, out);
     const Mat3 covariance = mat(out.attitude.covariance_world_rad2);
     const double tilt = error.head<2>().norm() * kDegPerRad;

@@ -7,6 +7,7 @@
 #include <functional>
 
 #include "core/so3.h"
+#include "core/units.h"
 #include "io/simulation_yaml.h"
 #include "simulation/effect_catalogue.h"
 #include "simulation/simulator.h"
@@ -50,7 +51,7 @@ struct Twins {
     on = simulate(c, motion, seed, recorded);
   }
   [[nodiscard]] std::size_t size() const { return on.size(); }
-  [[nodiscard]] double t(std::size_t i) const { return 1e-9 * static_cast<double>(on[i].sample.t_ns); }
+  [[nodiscard]] double t(std::size_t i) const { return in_seconds(on[i].sample.t_ns); }
   [[nodiscard]] Vec3 acc(std::size_t i) const {
     return matrix[0] * (vec(on[i].sample.acc_mps2) - vec(off[i].sample.acc_mps2));
   }

@@ -2,6 +2,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "core/units.h"
 #include "io/simulation_yaml.h"
 #include "simulation/law_effect.h"
 #include "simulation/simulator.h"
@@ -59,7 +60,7 @@ TEST(LawEffect, AMatrixTimesAVectorFromATimeOn) {
       "from_s: "
       "5, to_s: 15}",
       &RawSample::gyr_radps, [&](const SimulatedSample& s) -> Vec3 {
-        const double t = 1e-9 * static_cast<double>(s.sample.t_ns);
+        const double t = in_seconds(s.sample.t_ns);
         return t < 5.0 || t > 15.0 ? Vec3(Vec3::Zero()) : Vec3(s.current_A * (M * vec(s.true_acc_mps2)));
       });
   EXPECT_LT(off, 1e-9);

@@ -84,7 +84,7 @@ TEST(RecordedMotion, WhoSwaysIsNotHeldStill) {
 
 constexpr const char* kColoured =
     "reference: {kind: mocap, orientation_sd_rad: 1e-3, position_sd_m: 2e-4, band_hz: 10}\n";
-constexpr const char* kWhite =
+constexpr const char* kWhiteReference =
     "reference: {kind: mocap, orientation_sd_rad: 1e-3, position_sd_m: 2e-4, band_hz: 500}\n";
 
 CurveSamples<3> places_of(const ReferenceTrack& track) {
@@ -108,7 +108,7 @@ std::vector<Span> true_rests(const Recorded& r) {
 /// The penalty that follows from the noise at rest against every penalty tried with the truth at hand: within a tenth
 /// of the least error in the acceleration that any of them leaves.
 TEST(RecordedMotion, SmoothsAsItsNoiseDemands) {
-  for (const char* reference : {kColoured, kWhite}) {
+  for (const char* reference : {kColoured, kWhiteReference}) {
     const Recorded r = recorded(reference);
     const auto places = places_of(r.track);
     const auto error = [&](double penalty) {

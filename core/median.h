@@ -4,11 +4,12 @@
 #include <cstddef>
 #include <vector>
 
-namespace stillpoint::diag {
+namespace stillpoint {
 
 /// Of an even count the upper of the two in the middle; 0 for none.
-[[nodiscard]] inline double median(std::vector<double> v) {
-  if (v.empty()) return 0.0;
+template <class T>
+[[nodiscard]] T median(std::vector<T> v) {
+  if (v.empty()) return T{};
   const auto middle = v.begin() + static_cast<std::ptrdiff_t>(v.size() / 2);
   std::nth_element(v.begin(), middle, v.end());
   return *middle;
@@ -22,4 +23,4 @@ namespace stillpoint::diag {
   return *at;
 }
 
-}  // namespace stillpoint::diag
+}  // namespace stillpoint
