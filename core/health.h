@@ -69,6 +69,12 @@ struct SensorsHealth {
   }
 };
 
+/// Before any reading came.
+[[nodiscard]] constexpr SensorsHealth unheard() noexcept {
+  constexpr SensorHealth kAbsent{Health::kAbsent, Fault::kAbsent};
+  return {kAbsent, kAbsent, kAbsent, kAbsent};
+}
+
 static_assert(std::is_trivially_copyable_v<SensorsHealth>);
 
 }  // namespace stillpoint

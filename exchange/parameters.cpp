@@ -46,7 +46,7 @@ void add_effect(sim::SimulationConfig& s, const std::string& id, const std::stri
 
 std::optional<ParameterFormat> parameter_format(const std::string& word) {
   if (word == "stillpoint") return ParameterFormat::kStillpoint;
-  if (word == "sdf") return ParameterFormat::kSdf;
+  if (word == "sdf" || word == "gazebo") return ParameterFormat::kSdf;
   if (word == "matlab") return ParameterFormat::kMatlab;
   if (word == "kalibr") return ParameterFormat::kKalibr;
   if (word == "px4") return ParameterFormat::kPx4;

@@ -20,7 +20,7 @@ enum class ParameterFormat {
   kImuCalib     ///< YAML of the ROS package imu_calib: the accelerometer alone
 };
 
-/// "stillpoint", "sdf", "matlab", "kalibr", "px4", "sensor", "imu_calib"; nullopt for another word.
+/// "stillpoint", "sdf" or "gazebo", "matlab", "kalibr", "px4", "sensor", "imu_calib"; nullopt for another word.
 [[nodiscard]] std::optional<ParameterFormat> parameter_format(const std::string& word);
 /// By what a file of this name and text is.
 [[nodiscard]] std::optional<ParameterFormat> guess_format(const std::string& name, const std::string& text);

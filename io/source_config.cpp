@@ -1,6 +1,8 @@
 #include "io/source_config.h"
 
+#include <charconv>
 #include <filesystem>
+#include <map>
 
 #include "io/recording_columns.h"
 
@@ -41,12 +43,51 @@ void check_column(const YAML::Node& where, const std::string& name, const Stream
       faults.add(where, fmt::format("'{}' needs '{}': what one count is", name, c.key));
 }
 
+/// A text that is a number is a position; nothing: a name.
+std::optional<double> position_of(const std::string& theirs) {
+  double value = 0.0;
+  const char* end = theirs.data() + theirs.size();
+  const auto [stop, code] = std::from_chars(theirs.data(), end, value);
+  return code != std::errc::invalid_argument && stop == end ? std::optional(value) : std::nullopt;
+}
+
+/// Whole, and written as such.
+bool is_position(const std::string& theirs) {
+  std::size_t value = 0;
+  const char* end = theirs.data() + theirs.size();
+  const auto [stop, code] = std::from_chars(theirs.data(), end, value);
+  return code == std::errc{} && stop == end && value >= 1 && value <= kMostColumns;
+}
+
+/// Where each is taken from: one place for each, all by name or all by position.
+void check_places(const ColumnMap& columns, const YAML::Node& node, YamlFaults& faults) {
+  std::map<std::string, std::string> by_theirs;
+  std::map<std::size_t, std::string> by_field;
+  std::size_t positions = 0;
+  for (const auto& [ours, theirs] : columns) {
+    const YAML::Node where = node.IsMap() ? node[ours] : node;
+    positions += position_of(theirs) ? 1 : 0;
+    if (position_of(theirs) && !is_position(theirs))
+      faults.add(where, fmt::format("'{}' is at position {}; positions are whole numbers from 1 to {}", ours, theirs,
+                                    kMostColumns));
+    if (const auto [other, first] = by_theirs.emplace(theirs, ours); !first)
+      faults.add(where, fmt::format("'{}' and '{}' are both taken from {}", other->second, ours, quote(theirs)));
+    const auto known = known_column(ours);
+    if (!known) continue;
+    if (const auto [other, first] = by_field.emplace(known->field, ours); !first)
+      faults.add(where, fmt::format("'{}' and '{}' are the same reading; name it once", other->second, ours));
+  }
+  if (positions > 0 && positions < columns.size())
+    faults.add(node, "names and positions are mixed; give the name of each, or the position of each");
+}
+
 void check_stream(const StreamParams& stream, const YAML::Node& node, YamlFaults& faults) {
   if (!node["from"])
     faults.add(node, "'from' is missing here: stdin, a path such as /dev/ttyUSB0, or an address such as udp://:5555");
   else if (stream.from.empty())
     faults.add(node["from"], "'from' is empty");
   for (const auto& [ours, theirs] : stream.columns) check_column(node["columns"], ours, stream, faults);
+  if (node["columns"]) check_places(stream.columns, node["columns"], faults);
 }
 
 void check_ros2(const Ros2Params& ros2, const YAML::Node& node, YamlFaults& faults) {
@@ -86,7 +127,7 @@ void finish_source(SourceConfig& source, const YAML::Node& root, const std::stri
   const YAML::Node named = node["file"] ? node["file"] : node["from"] ? node["from"] : node["uri"];
   const YAML::Mark mark = (named ? named : node).Mark();
   source.place = fmt::format("{}:{}:{}", name, mark.line + 1, mark.column + 1);
-  if (!source.live()) {
+  if (source.kind == SourceKind::kRecording || source.kind == SourceKind::kSimulation) {
     if (!node["file"])
       faults.add(node, "'file' is missing here: the recording (.csv) or the simulation (.yaml) to take samples from");
     else if (source.file.empty())

@@ -16,6 +16,9 @@ enum class SourceKind { kNone, kRecording, kSimulation, kStream, kRos2, kIio };
 enum class SourceEnd { kStop, kWait };
 enum class StreamFormat { kAuto, kText, kFrames };
 
+/// A line has no more.
+inline constexpr std::size_t kMostColumns = 64;
+
 /// Our column name with its unit, and where it is found: a name of the stream, or a position counted from 1.
 using ColumnMap = std::vector<std::pair<std::string, std::string>>;
 
@@ -34,7 +37,7 @@ struct StreamParams {
         field("format", &P::format, "auto, text (lines of CSV or JSON) or frames (docs/sources.md)"),
         field("baud", &P::baud, in_range(300, 4e6), "of a serial line; 8 data bits, no parity, 1 stop bit"),
         field("columns", &P::columns,
-              "{acc_x_g: NAME or POSITION, ...}, or the list [time_ms, acc_x_g, -, ...] of what the columns hold"),
+              "{acc_x_g: NAME, ...}, {acc_x_g: POSITION from 1, ...}, or the list [time_ms, acc_x_g, -, ...]"),
         field("acc_mps2_per_count", &P::acc_mps2_per_count, in_range(0, 1e3), "scale of acc_x_counts and its axes"),
         field("gyr_radps_per_count", &P::gyr_radps_per_count, in_range(0, 1e3), "scale of gyr_x_counts and its axes"),
         field("mag_uT_per_count", &P::mag_uT_per_count, in_range(0, 1e3), "scale of mag_x_counts and its axes"),

@@ -15,7 +15,7 @@ constexpr int kGyroscopeSilentRows = 8;
 constexpr std::int64_t kGyroscopeAwaited_ns = 100'000'000;
 /// Of the usual gap: a gyroscope that misses a few readings still leads.
 constexpr double kSilentOverGap = 4.0;
-/// A row of its own that lies further ahead is on another clock.
+/// A row of its own that lies further ahead is on another clock, or the sensor that leads is silent.
 constexpr std::int64_t kFurthestAhead_ns = 1'000'000'000;
 
 bool usable(const Array3& reading, double limit) noexcept {
@@ -69,8 +69,12 @@ bool GuardStage::take_time(const RawSample& in, GuardedSample& out) noexcept {
   }
   out.sample.t_ns = clock_.in_pipeline_time(in.t_ns);
   const std::int64_t behind_ns = clock_.started() ? clock_.last_ns() - out.sample.t_ns : 0;
-  if (behind_ns >= static_cast<std::int64_t>(1e9 * params_.late_s) + 1 || -behind_ns > kFurthestAhead_ns) {
+  if (behind_ns >= static_cast<std::int64_t>(1e9 * params_.late_s) + 1) {
     ++counts_.late;
+    return false;
+  }
+  if (-behind_ns > kFurthestAhead_ns) {
+    ++counts_.refused;
     return false;
   }
   for (const SamplePart part : {kAcc, kMag})

@@ -47,7 +47,7 @@ struct GuardCounts {
   std::uint64_t gaps = 0;         ///< steps too long, and jumps of the sequence
   std::uint64_t lost = 0;         ///< samples missing in the sequence
   std::uint64_t rows = 0;         ///< with anything measured
-  std::uint64_t refused = 0;      ///< rows whose time repeats or runs backward, or without a usable part
+  std::uint64_t refused = 0;      ///< rows whose time repeats, runs backward or lies far ahead; without a usable part
   std::uint64_t out_of_time = 0;  ///< of these, for their time
   std::uint64_t late = 0;         ///< readings in rows of their own that came too late to be used
   std::uint64_t not_finite = 0;   ///< parts taken out
@@ -76,7 +76,6 @@ class GuardStage {
  public:
   using Input = RawSample;
   using Output = GuardedSample;
-  static constexpr std::string_view kName = "guard";
 
   explicit GuardStage(const GuardParams& params = {}) noexcept : params_(params) {}
   /// kDrop: nothing of the row can be used, or it holds a temperature alone, which is kept for the next sample.
@@ -88,6 +87,8 @@ class GuardStage {
   [[nodiscard]] double usual_step_s() const noexcept { return 1e-9 * clock_.usual_step_ns(); }
   /// Usual step between readings of each part, s.
   [[nodiscard]] std::array<double, kSampleParts> usual_steps_s() const noexcept;
+  /// Bits of SamplePart: overdue by their own period, or never there.
+  [[nodiscard]] std::uint8_t absent_at(std::int64_t t_ns) const noexcept;
 
  private:
   [[nodiscard]] bool leads(const RawSample& in) noexcept;
@@ -99,7 +100,6 @@ class GuardStage {
   void take_out_unusable(GuardedSample& out) noexcept;
   void take_temperature(RawSample& sample) noexcept;
   void note_readings(const RawSample& sample) noexcept;
-  [[nodiscard]] std::uint8_t absent_at(std::int64_t t_ns) const noexcept;
   [[nodiscard]] bool holds_triad(const RawSample& sample) const noexcept {
     return (sample.has & (kAcc | kGyr | kMag)) != 0;
   }

@@ -1,6 +1,7 @@
 /// The sensor thread: source -> stages -> best-effort write, and a copy into a ring for everything slow.
 /// Wait-free between `next` and `publish`: no lock, no allocation, no text, no system call but the clock and the write.
 #pragma once
+#include <algorithm>
 #include <atomic>
 
 #include "core/attitude_message.h"
@@ -34,6 +35,7 @@ struct SensorReport {
   std::array<double, kSampleParts> usual_steps_s{};  ///< between readings of each part
   std::uint64_t rounds = 0;                          ///< grows as long as the sensor thread goes on, samples or not
   calib::Refusal last_refusal = calib::Refusal::kNone;
+  SensorsHealth health = unheard();
   std::array<Finding, kOddities> findings{};
   std::size_t found = 0;  ///< of these
 };
@@ -128,6 +130,7 @@ class SensorLoop {
     counts_.usual_step_s = stages_.guard().usual_step_s();
     counts_.usual_steps_s = stages_.guard().usual_steps_s();
     counts_.last_refusal = stages_.last_refusal();
+    counts_.health = stages_.health();
     const auto findings = stages_.findings();
     counts_.found = findings.size();
     std::copy(findings.begin(), findings.end(), counts_.findings.begin());

@@ -13,6 +13,7 @@
 #include <cerrno>
 #include <cstring>
 
+#include "core/clock.h"
 #include "sources/serial.h"
 
 namespace stillpoint::sources {
@@ -45,6 +46,20 @@ bool wait_for(int fd, short events, int timeout_ms) noexcept {
 
 constexpr int kConnect_ms = 100;
 constexpr int kSocketBuffer_bytes = 1 << 20;
+/// The kernel asks a peer that is silent for so long whether it is still there, and gives it up after as many questions
+/// without an answer: 5 s in all. We send nothing, so TCP_USER_TIMEOUT would add nothing.
+constexpr int kKeepIdle_s = 2, kKeepInterval_s = 1, kKeepProbes = 3;
+/// A client that is silent for so long gives its place to one that waits.
+constexpr std::int64_t kSilentClient_ns = 2'000'000'000;
+
+/// A peer that loses its power says no farewell. Who is accepted has it from the socket that listens.
+void notice_lost_peers(int fd) {
+  const auto set = [fd](int level, int option, int value) { setsockopt(fd, level, option, &value, sizeof value); };
+  set(SOL_SOCKET, SO_KEEPALIVE, 1);
+  set(IPPROTO_TCP, TCP_KEEPIDLE, kKeepIdle_s);
+  set(IPPROTO_TCP, TCP_KEEPINTVL, kKeepInterval_s);
+  set(IPPROTO_TCP, TCP_KEEPCNT, kKeepProbes);
+}
 
 /// A connection is made while nothing else waits, but not for longer than a source may block.
 int connect_for_a_while(int fd, const sockaddr_in& to) {
@@ -105,6 +120,7 @@ Result<void> Endpoint::open_socket() {
   const int on = 1;
   const sockaddr_in there = socket_address(address_);
   int code = made.open() ? 0 : errno;
+  if (code == 0 && !udp) notice_lost_peers(made.get());
   if (code == 0 && address_.kind == AddressKind::kTcp) {
     code = connect_for_a_while(made.get(), there);
   } else if (code == 0) {
@@ -122,15 +138,23 @@ Result<void> Endpoint::open_socket() {
 bool Endpoint::accept_one(int timeout_ms) noexcept {
   if (!wait_for(listener_.get(), POLLIN, timeout_ms)) return false;
   stream_ = Descriptor(accept4(listener_.get(), nullptr, nullptr, SOCK_NONBLOCK | SOCK_CLOEXEC));
+  heard_ns_ = monotonic_ns();
   return stream_.open();
+}
+
+/// A board that was switched off and on comes back as another client, and the kernel may not know yet that the first
+/// is gone.
+bool Endpoint::displaced() const noexcept {
+  return listener_.open() && monotonic_ns() - heard_ns_ > kSilentClient_ns && wait_for(listener_.get(), POLLIN, 0);
 }
 
 ReadState Endpoint::read(std::span<std::uint8_t> room, int timeout_ms, std::size_t& bytes) noexcept {
   if (!stream_.open() && listener_.open() && !accept_one(timeout_ms)) return ReadState::kNothing;
-  if (!wait_for(stream_.get(), POLLIN, timeout_ms)) return ReadState::kNothing;
+  if (!wait_for(stream_.get(), POLLIN, timeout_ms)) return displaced() ? ReadState::kClosed : ReadState::kNothing;
   const ssize_t n = ::read(stream_.get(), room.data(), room.size());
   if (n > 0) {
     bytes = static_cast<std::size_t>(n);
+    heard_ns_ = monotonic_ns();
     return ReadState::kBytes;
   }
   if (n < 0 && (errno == EAGAIN || errno == EINTR)) return ReadState::kNothing;

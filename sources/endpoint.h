@@ -55,10 +55,12 @@ class Endpoint {
   [[nodiscard]] Result<void> open_path();
   [[nodiscard]] Result<void> open_socket();
   bool accept_one(int timeout_ms) noexcept;
+  [[nodiscard]] bool displaced() const noexcept;
 
   Address address_;
   int baud_;
   Descriptor stream_, listener_;
+  std::int64_t heard_ns_ = 0;  ///< of a client: when it came, or sent its last byte
   bool serial_ = false, file_ = false;
 };
 

@@ -32,8 +32,13 @@ class LineFormat {
   /// (acc_x_g?)". None where `columns:` names what is wanted. Allocates.
   [[nodiscard]] std::string unknown_names(std::string_view line) const;
 
+  /// Where a header line contradicts `columns:`, lacks a name of it, or an axis; empty: nowhere. Allocates.
+  [[nodiscard]] std::string header_faults(std::string_view line) const;
+
   /// CSV can be read: positions are known by configuration or header.
   [[nodiscard]] bool knows_positions() const noexcept { return !by_position_.empty(); }
+  /// ... by `columns:`, whatever a header line says.
+  [[nodiscard]] bool configured() const noexcept { return configured_positions_; }
 
  private:
   Piece parse_csv(std::string_view line, Reading& out) const noexcept;
@@ -43,6 +48,9 @@ class LineFormat {
   [[nodiscard]] std::optional<Field> field_named(std::string_view name) const noexcept;
   [[nodiscard]] std::optional<Field> known_field(std::string_view name) const noexcept;
   [[nodiscard]] std::optional<Field> field_of_json(std::string_view name) const noexcept;
+  [[nodiscard]] std::string contradiction(std::string_view line) const;
+  [[nodiscard]] std::string names_missing(std::string_view line) const;
+  [[nodiscard]] std::string axis_missing(std::string_view line) const;
 
   double count_to_si_[3];
   std::vector<std::pair<std::string, Field>> by_name_;  ///< of `columns:`, by the stream's own names

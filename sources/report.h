@@ -8,6 +8,7 @@
 
 #include "core/snapshot_cell.h"
 #include "pipeline/stage.h"
+#include "sources/line_look.h"
 
 namespace stillpoint::sources {
 
@@ -39,6 +40,9 @@ struct SourceReport {
   std::uint64_t ignored = 0;            ///< texts and numbers that nobody can name
   std::uint64_t skipped_bytes = 0;      ///< that belong to no frame and to no line
   std::uint64_t lost = 0;               ///< missing by the sender's count
+  std::uint64_t times_refused = 0;      ///< rows at a time that is none
+  double refused_time = 0.0;            ///< of the last one, as it came
+  double refused_time_unit_ns = 1.0;    ///< in which it came
   bool returns_alone = false;           ///< lines seem to end with a carriage return alone
   std::uint64_t unstamped = 0;          ///< without a time: of the second that teaches the rate, or damaged
   std::uint64_t began_anew = 0;         ///< senders whose stamps began anew after a pause of a stream that was not cut
@@ -46,10 +50,12 @@ struct SourceReport {
   std::uint64_t variances_refused = 0;  ///< that no sensor can have
   SamplePart refused_part = kAcc;       ///< of the last one
   double refused_variance = 0.0;
-  pipeline::StatedNoise noise;  ///< in use
-  ShortText error;              ///< why it could not be opened last
-  ShortText refused;            ///< the last line that was no reading
-  ShortText unknown_names;      ///< of columns or JSON fields that are no reading
+  pipeline::StatedNoise noise;         ///< in use
+  ShortText error;                     ///< why it could not be opened last
+  ShortText refused;                   ///< the last line that was no reading
+  LineLook look = LineLook::kUnknown;  ///< of lines that were no readings
+  ShortText unknown_names;             ///< of columns or JSON fields that are no reading
+  ShortText header_faults;             ///< where the header line does not fit what is configured, or lacks an axis
 };
 
 /// Shared between the source and its readers.

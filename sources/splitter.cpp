@@ -36,6 +36,7 @@ void Splitter::compact() noexcept {
 void Splitter::refuse(std::string_view line) noexcept {
   refused_size_ = std::min(line.size(), refused_.size());
   std::copy_n(line.data(), refused_size_, refused_.data());
+  if (const LineLook look = look_of(line); look != LineLook::kUnknown) look_ = look;
 }
 
 /// 0xA5 never stands in a text: once a whole frame was seen, frames it is.
@@ -61,6 +62,11 @@ Piece Splitter::next(Reading& out, std::uint64_t& steps) noexcept {
     piece = frames_ == io::StreamFormat::kFrames ? next_frame(out, steps) : next_line(out);
     if (piece == Piece::kMalformed) ++counts_.malformed, ++damaged_;
     if (piece == Piece::kIgnored || piece == Piece::kHeader) ++counts_.ignored;
+    if (piece == Piece::kTimeRefused) {
+      ++counts_.times_refused, ++damaged_;
+      counts_.refused_time = out.refused_time;
+      counts_.refused_time_unit_ns = out.time_unit_ns;
+    }
   } while (piece != Piece::kReading && piece != Piece::kNone);
   if (piece == Piece::kReading) {
     ++counts_.readings;
@@ -104,8 +110,10 @@ Piece Splitter::next_line(Reading& out) noexcept {
 void Splitter::note_names(Piece piece, std::string_view line) noexcept {
   const bool object = piece != Piece::kMalformed && line.substr(0, 1) == "{";
   const bool used = piece == Piece::kHeader ? format_.use_header(line) : object && !object_seen_;
-  if (used || (piece == Piece::kHeader && !knows_positions() && looks_like_names(line)))
-    unknown_names_ = format_.unknown_names(line);
+  const bool names = piece == Piece::kHeader && looks_like_names(line);
+  if (used || (names && !knows_positions())) unknown_names_ = format_.unknown_names(line);
+  if (piece == Piece::kHeader && (used || (names && (format_.configured() || !knows_positions()))))
+    header_faults_ = format_.header_faults(line);
   object_seen_ = object_seen_ || object;
 }
 

@@ -9,17 +9,21 @@
 
 #include "sources/frame.h"
 #include "sources/line.h"
+#include "sources/line_look.h"
 
 namespace stillpoint::sources {
 
 /// Counted since the start.
 struct SplitCounts {
   std::uint64_t readings = 0;
-  std::uint64_t malformed = 0;      ///< lines or frames that were damaged
-  std::uint64_t ignored = 0;        ///< comments, texts, blank lines, numbers before any header
-  std::uint64_t skipped_bytes = 0;  ///< between frames, and of lines too long to be one
-  std::uint64_t lost = 0;           ///< missing by the frames' counter
-  bool returns_alone = false;       ///< lines seem to end with a carriage return
+  std::uint64_t malformed = 0;        ///< lines or frames that were damaged
+  std::uint64_t ignored = 0;          ///< comments, texts, blank lines, numbers before any header
+  std::uint64_t skipped_bytes = 0;    ///< between frames, and of lines too long to be one
+  std::uint64_t lost = 0;             ///< missing by the frames' counter
+  std::uint64_t times_refused = 0;    ///< readings at a time that is none
+  double refused_time = 0.0;          ///< of the last one, as it came
+  double refused_time_unit_ns = 1.0;  ///< in which it came
+  bool returns_alone = false;         ///< lines seem to end with a carriage return
 };
 
 class Splitter {
@@ -48,6 +52,10 @@ class Splitter {
   [[nodiscard]] std::string_view last_refused() const noexcept { return {refused_.data(), refused_size_}; }
   /// What the header line, or the first object of JSON, names that is no reading.
   [[nodiscard]] const std::string& unknown_names() const noexcept { return unknown_names_; }
+  /// Where the header line does not fit what is configured, or lacks an axis.
+  [[nodiscard]] const std::string& header_faults() const noexcept { return header_faults_; }
+  /// What the lines that were no readings look like, as far as that was seen.
+  [[nodiscard]] LineLook look() const noexcept { return look_; }
   [[nodiscard]] bool knows_positions() const noexcept { return format_.knows_positions(); }
 
  private:
@@ -69,7 +77,8 @@ class Splitter {
   SplitCounts counts_;
   std::array<char, 60> refused_{};
   std::size_t refused_size_ = 0;
-  std::string unknown_names_;
+  std::string unknown_names_, header_faults_;
+  LineLook look_ = LineLook::kUnknown;
   std::uint64_t damaged_ = 0;  ///< since the last reading
   bool unseen_ = false, skip_line_ = false, counter_known_ = false, overlong_ = false;
   bool object_seen_ = false;

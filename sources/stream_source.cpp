@@ -105,11 +105,16 @@ void StreamSource::tell(LinkState link) noexcept {
   counts_.ignored = split.ignored;
   counts_.skipped_bytes = split.skipped_bytes;
   counts_.lost = split.lost;
+  counts_.times_refused = split.times_refused;
+  counts_.refused_time = split.refused_time;
+  counts_.refused_time_unit_ns = split.refused_time_unit_ns;
   counts_.returns_alone = split.returns_alone;
   counts_.began_anew = stamps_.began_anew();
   counts_.away_ns = stamps_.away_ns();
   counts_.refused = ShortText(splitter_->last_refused());
+  counts_.look = splitter_->look();
   counts_.unknown_names = ShortText(splitter_->unknown_names());
+  counts_.header_faults = ShortText(splitter_->header_faults());
   report_->store(counts_);
   told_ns_ = monotonic_ns();
 }

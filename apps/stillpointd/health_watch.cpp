@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include "core/units.h"
+
 namespace stillpoint::app {
 
 std::vector<std::string> HealthWatch::news(const SensorsHealth& now) {
@@ -15,22 +17,26 @@ std::vector<std::string> HealthWatch::news(const SensorsHealth& now) {
                                    {"magnetometer", now.mag, false},
                                    {"thermometer", now.temp, false}}};
   std::vector<std::string> lines;
+  silent_.clear();
   for (std::size_t i = 0; i < parts.size(); ++i) {
     const auto& [sensor, health, needed] = parts[i];
     Told& told = told_[i];
     const bool there = health.state != Health::kAbsent;
     const bool never_there = !there && !needed && !told.was_there;
     told.was_there = told.was_there || there;
-    if (never_there || (health.state == told.state && health.fault == told.fault)) continue;
+    if (never_there) continue;
+    const std::string how =
+        there ? fmt::format("{} ({})", name(health.state), name(health.fault)) : "absent, no readings";
+    const std::string line = fmt::format("{}: {} since t = {:.2f} s", sensor, how, in_seconds(health.since_ns));
+    if (!there) silent_ += (silent_.empty() ? "" : "; ") + line;
+    if (health.state == told.state && health.fault == told.fault) continue;
     told.state = health.state;
     told.fault = health.fault;
     if (health.state == Health::kOk) {
       lines.push_back(fmt::format("{}: ok again", sensor));
       continue;
     }
-    const std::string how =
-        there ? fmt::format("{} ({})", name(health.state), name(health.fault)) : "absent, no readings";
-    lines.push_back(fmt::format("{}: {} since t = {:.2f} s", sensor, how, 1e-9 * static_cast<double>(health.since_ns)));
+    lines.push_back(line);
   }
   return lines;
 }

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "apps/stillpointd/log.h"
+#include "core/units.h"
 #include "io/calibration_state.h"
 
 namespace stillpoint::app {
@@ -89,11 +90,11 @@ void SlowWork::on_sample(const pipeline::Outgoing& sample) {
 void SlowWork::on_calibration(const pipeline::Evidence& evidence, const CalibrationSnapshot& s) {
   parts_.wire.publish_calibration(to_message(s, config_.sensor.id));
   unsaved_ = true;
-  log(fmt::format(
-      "calibration version={} t_s={:.2f} temp_degC={:.1f} gyr_bias_radps={:.5f},{:.5f},{:.5f} ({}) "
-      "acc_bias_mps2={:.4f},{:.4f},{:.4f} ({})",
-      s.version, 1e-9 * static_cast<double>(evidence.t_end_ns()), evidence.temp_degC(), s.gyr.bias[0], s.gyr.bias[1],
-      s.gyr.bias[2], name(s.gyr.status), s.acc.bias[0], s.acc.bias[1], s.acc.bias[2], name(s.acc.status)));
+  log(
+      fmt::format("calibration version={} t_s={:.2f} temp_degC={:.1f} gyr_bias_radps={:.5f},{:.5f},{:.5f} ({}) "
+                  "acc_bias_mps2={:.4f},{:.4f},{:.4f} ({})",
+                  s.version, in_seconds(evidence.t_end_ns()), evidence.temp_degC(), s.gyr.bias[0], s.gyr.bias[1],
+                  s.gyr.bias[2], name(s.gyr.status), s.acc.bias[0], s.acc.bias[1], s.acc.bias[2], name(s.acc.status)));
 }
 
 bool SlowWork::stale(const pipeline::SensorReport& report, std::int64_t now_ns) const {
@@ -165,28 +166,33 @@ void SlowWork::tell_news(const pipeline::SensorReport& report) {
   }
 }
 
-void SlowWork::log_changes(const pipeline::SensorReport& report, bool is_stale) {
-  if (is_stale != told_stale_ && !is_stale) log("samples arrive again");
-  if (is_stale != told_stale_ && is_stale)
-    log(report.state == pipeline::SensorState::kEnded
-            ? "STALE: the source has ended"
-            : fmt::format("STALE: no sample for {} s; nothing is repeated", parts_.live.stale_after_s.load()));
-  told_stale_ = is_stale;
+std::string SlowWork::why_stale(const pipeline::SensorReport& report, std::int64_t now_ns) const {
+  if (report.state == pipeline::SensorState::kEnded) return "the source has ended";
+  if (stale(report, now_ns))
+    return fmt::format("no sample for {} s; nothing is repeated", parts_.live.stale_after_s.load());
+  return barren(now_ns) ? "samples come, but no attitude can be made of them" : "";
+}
+
+void SlowWork::log_changes(const pipeline::SensorReport& report, std::int64_t now_ns) {
+  const std::string why = why_stale(report, now_ns);
+  if (why.empty() == told_stale_) log(why.empty() ? "samples arrive again" : "STALE: " + why);
+  told_stale_ = !why.empty();
   tell_news(report);
-  for (const auto& line : health_.news(last_.health)) log(line);
+  if (report.last_arrival_ns != 0)
+    for (const auto& line : health_.news(report.health)) log(line);
   log_neighbours();
   log_refused_datagrams();
 }
 
 DiagnosticsMessage SlowWork::diagnostics(const pipeline::SensorReport& report, std::int64_t now_ns, bool is_stale) {
   DiagnosticsMessage d;
-  d.uptime_s = 1e-9 * static_cast<double>(now_ns - start_ns_);
+  d.uptime_s = in_seconds(now_ns - start_ns_);
   d.samples = report.guard.samples;
   d.rate_hz = rate_.look(d.samples, now_ns);
   if (report.usual_step_s > 0.0 && config_.source.speed > 0.0)
     d.expected_rate_hz = config_.source.speed / report.usual_step_s;
   d.gaps = report.guard.gaps;
-  d.longest_gap_s = 1e-9 * static_cast<double>(report.guard.longest_gap_ns);
+  d.longest_gap_s = in_seconds(report.guard.longest_gap_ns);
   d.dropped = report.ring_dropped + report.stages.evidence_dropped;
   d.clipped = report.guard.clipped;
   d.refused = report.guard.unused();
@@ -196,7 +202,7 @@ DiagnosticsMessage SlowWork::diagnostics(const pipeline::SensorReport& report, s
   const bool is_barren = barren(now_ns);
   d.status = is_stale || is_barren ? AttitudeStatus::kStale : last_.status;
   d.heading_reference = last_.heading_reference;
-  d.health = last_.health;
+  d.health = report.health;
   d.sensor_id = config_.sensor.id;
   d.message = is_stale    ? "no sample from the source"
               : is_barren ? "samples come, but no attitude can be made of them"
@@ -210,7 +216,7 @@ DiagnosticsMessage SlowWork::diagnostics(const pipeline::SensorReport& report, s
   d.missing = parts_.troubles.all();
   if (watch_.implausible() && d.status == AttitudeStatus::kOk) d.status = AttitudeStatus::kDegraded;
   if (refused_rows_.most() && d.status == AttitudeStatus::kOk) d.status = AttitudeStatus::kDegraded;
-  for (const std::string& trouble : {watch_.trouble(), refused_rows_.trouble()})
+  for (const std::string& trouble : {watch_.trouble(), refused_rows_.trouble(), health_.silent()})
     if (!trouble.empty()) d.missing += (d.missing.empty() ? "" : "; ") + trouble;
   d.last_refusal = std::string(calib::name(report.last_refusal));
   d.latency_counts = shared_.latency.counts();
@@ -225,7 +231,7 @@ void SlowWork::on_tick(const pipeline::SensorReport& report, std::int64_t now_ns
     last_attitude_ns_ = now_ns;
   }
   outlet_ = parts_.wire.report();
-  log_changes(report, is_stale);
+  log_changes(report, now_ns);
   covariances_ = noise_.covariances(parts_.calibrator.snapshot(), rotation_to_body(frame_));
   const DiagnosticsMessage d = diagnostics(report, now_ns, is_stale);
   parts_.wire.publish_diagnostics(d);

@@ -51,7 +51,9 @@ class SlowWork {
   [[nodiscard]] bool too_old(std::int64_t t_ns, std::int64_t now_ns) const;
   void log_neighbours();
   void log_refused_datagrams();
-  void log_changes(const pipeline::SensorReport& report, bool is_stale);
+  /// For the log; empty: attitudes come.
+  [[nodiscard]] std::string why_stale(const pipeline::SensorReport& report, std::int64_t now_ns) const;
+  void log_changes(const pipeline::SensorReport& report, std::int64_t now_ns);
   [[nodiscard]] DiagnosticsMessage diagnostics(const pipeline::SensorReport& report, std::int64_t now_ns,
                                                bool is_stale);
 

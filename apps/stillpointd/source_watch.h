@@ -25,6 +25,8 @@ class SourceWatch {
  private:
   void tell_link(const sources::SourceReport& now, std::vector<std::string>& lines);
   void tell_clock(const sources::SourceReport& now, std::vector<std::string>& lines);
+  void tell_times(const sources::SourceReport& now, std::vector<std::string>& lines);
+  void tell_names(const sources::SourceReport& now, std::vector<std::string>& lines);
   void tell_damage(const sources::SourceReport& now, std::vector<std::string>& lines);
   void tell_noise(const sources::SourceReport& now, std::vector<std::string>& lines);
 
@@ -34,7 +36,9 @@ class SourceWatch {
   std::uint64_t failures_when_there_ = 0;
   std::array<bool, kOddities> told_oddities_{};
   bool implausible_ = false;
-  std::uint64_t tell_malformed_at_ = 1, tell_ignored_at_ = 100, tell_variances_at_ = 1;
+  std::uint64_t tell_malformed_at_ = 1, tell_ignored_at_ = 100, tell_variances_at_ = 1, tell_lost_at_ = 1;
+  std::uint64_t tell_times_at_ = 1;
+  std::string times_trouble_;  ///< of rows that were refused since the last call
   std::string trouble_;
 };
 

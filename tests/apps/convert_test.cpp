@@ -89,6 +89,7 @@ TEST_F(Convert, WhatWentOutComesBackAsItWas) {
   // format, what it keeps of the gyroscope, what it says is lost
   const std::vector<std::array<std::string, 3>> cases{
       {"sdf", "bias: [0.01, 0.02, -0.01]", "lost: effect gyr_temp_lin\n"},
+      {"gazebo", "bias: [0.01, 0.02, -0.01]", "lost: effect gyr_temp_lin\n"},
       {"kalibr", "noise_radps: 0.002", "lost: gyroscope: bias, which Kalibr estimates anew\n"},
       {"px4", "k_radps_per_K: [0.0001, 0.0002, -0.0001]", "lost: gyroscope: noise\n"},
       {"matlab", "k_radps_per_K: [0.0001, 0.0002, -0.0001]", ""},
@@ -118,8 +119,8 @@ TEST_F(Convert, KalibrsDensityIsWhatTheSimulatedSensorShows) {
 }
 
 TEST_F(Convert, EveryMistakeHasItsCodeAndItsPlace) {
-  EXPECT_EQ(convert("robot.sdf", kSdf, "--to gazebo"), 64);
-  EXPECT_THAT(told_, HasSubstr("gazebo: no format; known are stillpoint, sdf, matlab, kalibr, px4, sensor, imu_calib"));
+  EXPECT_EQ(convert("robot.sdf", kSdf, "--to webots"), 64);
+  EXPECT_THAT(told_, HasSubstr("webots: no format; known are stillpoint, sdf, matlab, kalibr, px4, sensor, imu_calib"));
   EXPECT_EQ(convert("notes.txt", "my sensor is good\n", "--to sdf"), 65);
   EXPECT_THAT(told_, HasSubstr("notes.txt: its format is not seen; say --from"));
   EXPECT_EQ(convert("broken.sdf", "<imu>\n<angular", "--to stillpoint"), 65);

@@ -74,5 +74,69 @@ TEST_F(SourceWatchTest, TellsOnceOfLinesThatEndWithACarriageReturnAlone) {
   EXPECT_THAT(watch_.news({}), IsEmpty());
 }
 
+TEST_F(SourceWatchTest, TellsInWhichUnitATimeBeyondAllTimesLikelyIs) {
+  sources::SourceReport now;
+  const auto told = [&](double time, double unit_ns) {
+    SourceWatch fresh(report_);
+    ++now.times_refused;
+    now.refused_time = time;
+    now.refused_time_unit_ns = unit_ns;
+    report_->store(now);
+    const auto lines = fresh.news({});
+    EXPECT_EQ("source: " + std::to_string(now.times_refused) + " " + fresh.trouble(), lines.at(0));
+    return fresh.trouble();
+  };
+  EXPECT_EQ(told(1.7e18, 1e9),
+            "rows are refused: the line's time 'time_s' = 1.7e+18 lies beyond 146 years; likely in ns: name the column "
+            "time_ns");
+  EXPECT_THAT(told(1.7e15, 1e6), testing::HasSubstr("'time_ms' = 1.7e+15 lies beyond 146 years; likely in us: name"));
+  EXPECT_THAT(told(-1.7e12, 1e9), testing::HasSubstr("likely in ms: name the column time_ms"));
+  EXPECT_THAT(told(1e20, 1e3), testing::HasSubstr("send a time since the start, or no time"));
+}
+
+TEST_F(SourceWatchTest, TellsOfRefusedTimesOnceAndIsInTroubleWhileTheyCome) {
+  sources::SourceReport now;
+  now.link = LinkState::kThere;
+  const auto news_at = [&](std::uint64_t refused) {
+    now.times_refused = refused;
+    report_->store(now);
+    return watch_.news({}).size();
+  };
+  news_at(0);
+  EXPECT_EQ(news_at(1), 1U);
+  EXPECT_EQ(news_at(2), 0U);
+  EXPECT_NE(watch_.trouble(), "");
+  EXPECT_EQ(news_at(2), 0U);
+  EXPECT_EQ(watch_.trouble(), "");
+  EXPECT_EQ(news_at(10), 1U);
+}
+
+TEST_F(SourceWatchTest, TellsOfReadingsThatWereLostOnTheirWay) {
+  sources::SourceReport now;
+  now.lost = 3;
+  report_->store(now);
+  EXPECT_THAT(watch_.news({}), ElementsAre("source: 3 readings so far were lost on their way, by the sender's count"));
+  now.lost = 29;
+  report_->store(now);
+  EXPECT_THAT(watch_.news({}), IsEmpty());
+  now.lost = 30;
+  report_->store(now);
+  EXPECT_EQ(watch_.news({}).size(), 1U);
+}
+
+TEST_F(SourceWatchTest, SaysWhatDamagedLinesLookLikeAndWhatTheHeaderLacks) {
+  sources::SourceReport now;
+  now.malformed = 1;
+  now.refused = sources::ShortText("1,5;2,5");
+  now.look = sources::LineLook::kDecimalCommas;
+  now.header_faults = sources::ShortText("the header line lacks 'gx'");
+  report_->store(now);
+  EXPECT_THAT(watch_.news({}),
+              ElementsAre("source: the header line lacks 'gx'",
+                          "source: 1 damaged lines or frames so far, the last '1,5;2,5'; it looks like decimal commas: "
+                          "write numbers with a point, as 9.81"));
+  EXPECT_THAT(watch_.news({}), IsEmpty());
+}
+
 }  // namespace
 }  // namespace stillpoint::app

@@ -70,6 +70,35 @@ TEST_F(DaemonSources, AColumnWhoseNameIsNotKnownIsTold) {
   EXPECT_NE(said.find("accelerometer: absent"), std::string::npos) << said;
 }
 
+TEST_F(DaemonSources, RowsAtATimeThatIsNoneAreRefusedAndTheUnitNamed) {
+  std::ostringstream text;
+  text << "time_s,acc_x_g,acc_y_g,acc_z_g,gyr_x_dps,gyr_y_dps,gyr_z_dps\n";
+  for (int k = 0; k < 1000; ++k) text << 170'000'000'000 + k << "0000000,0,0,1,0,0,0\n";
+  int code = -1;
+  const std::string said = daemon("kind: stream, from: stdin", text.str(), code);
+  EXPECT_NE(said.find("samples=0 published=0"), std::string::npos) << said;
+  EXPECT_NE(said.find("rows are refused: the line's time 'time_s' = 1.7"), std::string::npos) << said;
+  EXPECT_NE(said.find("likely in ns: name the column time_ns"), std::string::npos) << said;
+}
+
+TEST_F(DaemonSources, AnInertialChipThatDiesIsToldWhileTheMagnetometerSpeaks) {
+  std::ostringstream feed;
+  feed << "echo time_ms,acc_x_g,acc_y_g,acc_z_g,gyr_x_dps,gyr_y_dps,gyr_z_dps,mag_x_uT,mag_y_uT,mag_z_uT\n"
+          "for k in $(seq 100 200); do echo ${k}0,0,0,1.00$((k % 3)),0,0.$((k % 3)),0,20,0.$((k % 3)),-40; done\n"
+          "for k in $(seq 201 450); do echo ${k}0,,,,,,,20,0.$((k % 3)),-40; sleep 0.02; done\n";
+  test::write_file(folder_ / "feed.sh", feed.str());
+  test::write_file(folder_ / "config.yaml",
+                   "source: {kind: stream, from: stdin}\ndds: {domain: " + std::to_string(io::own_domain()) + "}\n");
+  test::run("sh " + (folder_ / "feed.sh") + " | timeout 60 " STILLPOINTD " --config " + (folder_ / "config.yaml"),
+            folder_ / "said");
+  const std::string said = test::read_file(folder_ / "said");
+  for (const char* line :
+       {"STALE: samples come, but no attitude can be made of them",
+        "accelerometer: absent, no readings since t = 2.01 s", "gyroscope: absent, no readings since t = 2.01 s"})
+    EXPECT_NE(said.find(line), std::string::npos) << line << "\n" << said;
+  EXPECT_EQ(said.find("came later than sensor.limits.late_s"), std::string::npos) << said;
+}
+
 TEST_F(DaemonSources, ReadingsThatComeTooLateAreCountedAndTold) {
   std::ostringstream text;
   text << "time_ms,acc_x_g,acc_y_g,acc_z_g,gyr_x_dps,gyr_y_dps,gyr_z_dps,mag_x_uT,mag_y_uT,mag_z_uT\n";

@@ -2,6 +2,7 @@
 /// line.
 #include <gtest/gtest.h>
 
+#include "core/units.h"
 #include "io/config.h"
 #include "sources/address.h"
 #include "sources/iio_values.h"
@@ -146,7 +147,7 @@ TEST(GoldenSource, TimesOfUnevenArrivals) {
       r.time_unit_ns = 1e6;
       const std::int64_t arrival_ns = 5'000'000'000 + k * 20'000'000LL + (k * 7919 % 13) * 900'000LL;
       const bool stamped = stamps.stamp(r, arrival_ns, k == 190 ? 40 : 1);
-      if (k % 3 == 0) told << stamped << ' ' << (stamped ? 1e-9 * static_cast<double>(r.sample.t_ns) : 0.0) << '\n';
+      if (k % 3 == 0) told << stamped << ' ' << (stamped ? in_seconds(r.sample.t_ns) : 0.0) << '\n';
     }
   }
   test::check_golden("stamps", told.str());

@@ -135,5 +135,39 @@ TEST(Line, JsonHoldsReadingsFlatNestedOrInArrays) {
   EXPECT_EQ(plain.parse("{}", r), Piece::kIgnored);
 }
 
+TEST(Line, ARowAtATimeThatIsNoneIsRefusedWithThatTime) {
+  const auto format = with_header("time_s,temp_degC,acc_x_mps2,acc_y_mps2,acc_z_mps2");
+  Reading r;
+  ASSERT_EQ(format.parse("1.7e18,20,0,0,9.8", r), Piece::kTimeRefused) << "ns since 1970 as seconds";
+  EXPECT_DOUBLE_EQ(r.refused_time, 1.7e18);
+  EXPECT_DOUBLE_EQ(r.time_unit_ns, 1e9);
+  EXPECT_EQ(format.parse("-1.7e15,20,0,0,9.8", r), Piece::kTimeRefused);
+  EXPECT_EQ(format.parse("1.7e18,,,,", r), Piece::kIgnored) << "no reading to refuse";
+  ASSERT_EQ(format.parse("1.7e9,20,0,0,9.8", r), Piece::kReading);
+  EXPECT_TRUE(r.has_time);
+  ASSERT_EQ(format.parse(",20,0,0,9.8", r), Piece::kReading);
+  EXPECT_FALSE(r.has_time);
+  EXPECT_EQ(LineFormat({}).parse(R"({"time_us": 1.7e18, "acc_g": [0, 0, 1]})", r), Piece::kTimeRefused);
+}
+
+TEST(Line, AHeaderThatDoesNotFitTheConfigurationOrLacksAnAxisIsTold) {
+  const auto faults = [](io::ColumnMap map, const char* header) {
+    LineFormat format(columns(std::move(map)));
+    format.use_header(header);
+    return format.header_faults(header);
+  };
+  EXPECT_EQ(faults({}, "time_s,acc_x_g,acc_y_g,acc_z_g,temp_degC"), "");
+  EXPECT_EQ(faults({}, "time_s,acc_x_g,acc_y_g,gyr_x_dps,gyr_y_dps,gyr_z_dps"),
+            "the header line has no acc_z; without it nothing of acc_x/y/z_mps2 is used: send all three axes");
+  const io::ColumnMap list{{"time_s", "1"}, {"gyr_x_dps", "2"}, {"gyr_y_dps", "3"}, {"gyr_z_dps", "4"}};
+  EXPECT_EQ(faults(list, "time_s,gyr_x_dps,gyr_y_dps,gyr_z_dps,temp_degC"), "");
+  EXPECT_EQ(faults(list, "t,x,y,z"), "");
+  EXPECT_EQ(faults(list, "time_s,acc_x_g,acc_y_g,acc_z_g"),
+            "column 2 is acc_x_g in the header line and another one in 'source: columns', which serves; correct the "
+            "list, or leave it out");
+  EXPECT_EQ(faults({{"gyr_x_dps", "gx"}, {"gyr_y_dps", "gy"}, {"gyr_z_dps", "gz"}}, "t,\"gy\",wx,wz"),
+            "the header line lacks 'gx', 'gz' of 'source: columns'; write each as it stands there");
+}
+
 }  // namespace
 }  // namespace stillpoint::sources

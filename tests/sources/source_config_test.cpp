@@ -34,6 +34,30 @@ TEST(SourceConfig, ColumnsAreCheckedByName) {
   EXPECT_EQ(faults("{kind: stream, from: stdin, columns: [gyr_x_counts], gyr_radps_per_count: 0.001}"), "no fault");
 }
 
+TEST(SourceConfig, PlacesOfColumnsAreCheckedForWhatTheyCanBe) {
+  const auto columns = [](const std::string& map) {
+    return faults("{kind: stream, from: stdin, columns: " + map + "}");
+  };
+  EXPECT_EQ(columns("{time_ms: 1, acc_x_g: 64}"), "no fault");
+  EXPECT_EQ(columns("{time_ms: t, acc_x_g: 3d}"), "no fault");
+  for (const char* position : {"0", "-1", "1e9", "65", "1.5"})
+    EXPECT_EQ(columns(std::string("{acc_x_g: ") + position + "}"),
+              std::string("f.yaml:1:56: 'acc_x_g' is at position ") + position +
+                  "; positions are whole numbers from 1 to 64");
+  EXPECT_EQ(columns("{acc_x_g: 2, acc_y_g: 2}"), "f.yaml:1:68: 'acc_x_g' and 'acc_y_g' are both taken from '2'");
+  EXPECT_EQ(columns("{acc_x_g: a, acc_y_g: a}"), "f.yaml:1:68: 'acc_x_g' and 'acc_y_g' are both taken from 'a'");
+  EXPECT_EQ(columns("[time_ms, acc_x_g, acc_x_g]"),
+            "f.yaml:1:46: 'acc_x_g' and 'acc_x_g' are the same reading; name it once");
+  EXPECT_EQ(columns("{time_ms: 1, time_s: 2}"),
+            "f.yaml:1:67: 'time_ms' and 'time_s' are the same reading; name it once");
+  EXPECT_EQ(columns("{time_ms: 1, acc_x_g: ax}"),
+            "f.yaml:1:46: names and positions are mixed; give the name of each, or the position of each");
+}
+
+TEST(SourceConfig, AKindThatIsMisspeltIsAllThatIsTold) {
+  EXPECT_EQ(faults("{kind: strem, from: stdin}"), "f.yaml:1:16: 'kind' cannot be 'strem'; did you mean 'stream'?");
+}
+
 TEST(SourceConfig, PrintedItReadsBackToTheSame) {
   for (const char* source :
        {"{kind: stream, from: /dev/ttyUSB0, baud: 921600, columns: {time_ms: t, acc_x_g: \"it's\"}, at_end: wait}",

@@ -147,5 +147,42 @@ TEST(Splitter, AnythingAtAllIsSurvived) {
   }
 }
 
+TEST(Splitter, ARowAtATimeThatIsNoneIsCountedAndIsAGapOfTheSequence) {
+  Splitter splitter({});
+  std::uint64_t steps = 0;
+  const auto got = feed(splitter, std::string(kPlainHeader) + line(1) + "17e17,0,0,9.8\n" + line(3), 100, &steps);
+  EXPECT_EQ(got.size(), 2U);
+  EXPECT_EQ(steps, 3U);
+  EXPECT_EQ(splitter.counts().times_refused, 1U);
+  EXPECT_EQ(splitter.counts().malformed, 0U);
+  EXPECT_DOUBLE_EQ(splitter.counts().refused_time, 17e17);
+  EXPECT_DOUBLE_EQ(splitter.counts().refused_time_unit_ns, 1e3);
+}
+
+TEST(Splitter, SaysWhatLinesThatAreNoReadingsLookLike) {
+  const auto look = [](const std::string& text) {
+    Splitter splitter({});
+    feed(splitter, kPlainHeader + text, 100);
+    return splitter.look();
+  };
+  EXPECT_EQ(look("5;0,5;0,25;9,81\n"), LineLook::kDecimalCommas);
+  EXPECT_EQ(look("5,0,05,0,25,9,81\n"), LineLook::kDecimalCommas);
+  EXPECT_EQ(look("2026-01-31T10:20:30.5Z,0,0,9.8\n"), LineLook::kDate);
+  EXPECT_EQ(look("10:20:30.5,0,0,9.8\n"), LineLook::kDate);
+  EXPECT_EQ(look("[{\"time_us\": 5, \"temp_degC\": 20},\n"), LineLook::kJsonArray);
+  EXPECT_EQ(look("{\"time_us\": 5, \"temp_degC\": 20},\n"), LineLook::kJsonArray);
+  for (const char* damaged : {"5,0,0\n", "5,0,0,9.8,5,0,0,9.8\n", "[INFO] ready\n", "{\"acc_g\": [0, 0,\n", "x;y\n"})
+    EXPECT_EQ(look(damaged), LineLook::kUnknown) << damaged;
+}
+
+TEST(Splitter, AHeaderBesideAConfiguredListIsReadForItsContradiction) {
+  io::StreamParams params;
+  params.columns = {{"time_us", "1"}, {"acc_x_mps2", "2"}, {"acc_y_mps2", "4"}, {"acc_z_mps2", "3"}};
+  Splitter splitter(params);
+  EXPECT_EQ(feed(splitter, std::string(kPlainHeader) + line(1), 100).size(), 1U) << "the list serves";
+  EXPECT_EQ(splitter.header_faults().substr(0, 40), "column 3 is acc_y_mps2 in the header lin");
+  EXPECT_EQ(splitter.unknown_names(), "");
+}
+
 }  // namespace
 }  // namespace stillpoint::sources

@@ -161,6 +161,36 @@ TEST(StreamSource, UdpTakesADatagramForALineAndTcpForAStream) {
   }
 }
 
+TEST(StreamSource, AClientThatWaitsTakesThePlaceOfASilentOneAndOfNoOther) {
+  const std::uint16_t port = test::free_port();
+  sockaddr_in to{};
+  to.sin_family = AF_INET;
+  to.sin_port = htons(port);
+  to.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+  const auto client = [&to] {
+    const int fd = socket(AF_INET, SOCK_STREAM, 0);
+    EXPECT_EQ(connect(fd, reinterpret_cast<sockaddr*>(&to), sizeof to), 0);
+    return fd;
+  };
+  Arrival out;
+  StreamSource server = source(from("tcp-listen://:" + std::to_string(port)));
+  EXPECT_EQ(server.next(out), SourceState::kNothing);
+  const int first = client();
+  send(first, kHeader);
+  const int second = client();
+  send(second, std::string(kHeader) + "1000000,7,0,9.8\n");
+  for (int k = 1; k <= 25; ++k) {  // longer than a silent one keeps its place
+    send(first, std::to_string(100 * k) + ",0,0,9.8\n");
+    ASSERT_TRUE(eventually_sample(server, out));
+    EXPECT_EQ(out.sample.acc_mps2[0], 0.0) << "the first one speaks";
+    usleep(100'000);
+  }
+  ASSERT_TRUE(eventually_sample(server, out, 5.0)) << "the first one is silent";
+  EXPECT_EQ(out.sample.acc_mps2[0], 7.0);
+  close(first);
+  close(second);
+}
+
 TEST(StreamSource, SaysWhyADeviceCannotBeOpened) {
   const auto error_of = [](const std::string& address) {
     StreamSource stream = source(from(address));
