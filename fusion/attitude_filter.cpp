@@ -17,6 +17,7 @@ constexpr double kLargestField_uT = 1e5;
 constexpr double kBlow_s = 0.1;      ///< how long a clipped peak of the force lasts
 constexpr double kStroke_s = 0.1;    ///< and how long one of the rate stays as it is
 constexpr double kStuck_s = 1.0;     ///< noise changes a living reading long before
+constexpr double kLies_s = 1000.0;   ///< of a rest longer than this the gyroscope knows less than the place
 constexpr double kWanders_s = 10.0;  ///< in which an offset outside of its prior may become another one
 
 bool usable(const CalibratedSample& s, SamplePart part, const Array3& reading, double limit) {
@@ -64,7 +65,7 @@ void AttitudeFilter::turn_back() noexcept {
 AttitudeEstimate AttitudeFilter::step(const CalibratedSample& sample, bool at_rest) noexcept {
   const bool acc = usable(sample, kAcc, sample.acc_mps2, kLargestForce_mps2);
   const bool gyr = usable(sample, kGyr, sample.gyr_radps, kLargestRate_radps);
-  const double dt_s = kSecondsPerNs * static_cast<double>(sample.t_ns - s_.t_ns);
+  const double dt_s = in_seconds(sample.t_ns - s_.t_ns);
   if (s_.clock_started && !(sample.t_ns > s_.t_ns)) {
     AttitudeEstimate last = estimate(s_.t_ns);
     last.refused = s_.has_attitude;
@@ -227,6 +228,7 @@ void AttitudeFilter::covariance_step() noexcept {
   s_.since_rest_s += time_s;
   s_.since_gyr_jump_s += time_s;
   s_.since_acc_jump_s += time_s;
+  s_.lies_s = s_.sums.moved ? 0.0 : std::min(s_.lies_s + time_s, kLies_s);
   if (s_.sums.moved) {
     s_.denied_rest = {};
     end_insisting();

@@ -1,5 +1,5 @@
 /// Attitude by an error-state Kalman filter around a quaternion: 9D with a magnetometer, 6D without.
-/// Equations (A1)...(A17) and what they are taken from: docs/math/attitude.md.
+/// Its equations, (A1) and on, and what they are taken from: docs/math/attitude.md.
 /// The form after Sola, "Quaternion kinematics for the error-state Kalman filter" (2017), sections 5 and 7 (error in
 /// the world frame); acceleration seen through bounded motion, in a gyro-fixed frame, after the idea of Laidig and
 /// Seel, "VQF: Highly accurate IMU orientation estimation with bias estimation and magnetic disturbance rejection"
@@ -228,6 +228,7 @@ class AttitudeFilter {
     double since_gyr_jump_s = 1e9;  ///< of its offset
     double since_acc_jump_s = 1e9;
     double since_rest_s = 0.0;    ///< since one that the gyroscope agreed to
+    double lies_s = 0.0;          ///< at rest for this long now
     double lean_s = 0.0;          ///< for this long gravity at rest has denied the tilt
     double heading_stress = 0.0;  ///< signed mean square of the normalised heading innovation
     double age_s = 0.0;
@@ -258,6 +259,7 @@ class AttitudeFilter {
   void hear_witnesses(double time_s) noexcept;
   void judge_jumps(double time_s) noexcept;
   void measure_rest(double time_s) noexcept;
+  void doubt_offset() noexcept;
   void relearn_bias(const Vec3& rate_radps) noexcept;
   void doubt_insistence(double time_s) noexcept;
   void end_insisting() noexcept;

@@ -18,6 +18,7 @@ constexpr double kRestLean = 6.0;       ///< mean of a chi-square of two: one in
 constexpr double kDenied_s = 5.0;       ///< so long nothing is learnt of sensors that have been denied
 constexpr double kLearnAnew_s = 10.0;   ///< after so long everything is, and for so long
 constexpr double kDoubtIn_s = 1.0;
+constexpr double kBeyondPrior = 3.0;  ///< standard deviations of an offset
 constexpr double kKnownTilt_rad = 0.05;
 constexpr double kLongUntrusted_s = 30.0;
 constexpr double kAnotherHeading = 9.0;   ///< of a chi-square of one
@@ -119,6 +120,7 @@ void AttitudeFilter::measure_rest(double time_s) noexcept {
   s_.rest_doubt_s -= time_s;
   if (s_.rest_doubt_s > 0.0) return;
   doubt_motion(time_s, speed2);
+  if (s_.motion_scale.carried()) doubt_offset();
   doubt_tilt(time_s);
   s_.motion_scale.rest();
   s_.error.pull().forget_tilt();
@@ -143,6 +145,18 @@ void AttitudeFilter::doubt_motion(double time_s, double rest_speed2) noexcept {
   for (int i = 0; i < 3; ++i) s_.error.forget(kVelocity + i, rest_speed2);
   for (int i = 0; i < 2; ++i)
     s_.error.forget(kTheta + i, s_.error.P()(kTheta + i, kTheta + i) + lean.head<2>().squaredNorm());
+}
+
+/// What a ride has taught of the accelerometer's offset beyond what such an offset can be was the vehicle's
+/// acceleration, and the attitude leans by as much. The rest is to set the tilt right, not to confirm the offset.
+void AttitudeFilter::doubt_offset() noexcept {
+  const Vec3 offset = vec(s_.x.acc_bias_mps2);
+  if (offset.cwiseAbs().maxCoeff() < kBeyondPrior * params_.acc_bias_sd_mps2) return;
+  (void)s_.error.take_mean();
+  s_.x.acc_bias_mps2 = {};
+  const double lean2 = offset.squaredNorm() / (kStandardGravity_mps2 * kStandardGravity_mps2);
+  for (int i = 0; i < 3; ++i) s_.error.forget(kAccBias + i, params_.acc_bias_sd_mps2 * params_.acc_bias_sd_mps2);
+  for (int i = 0; i < 2; ++i) s_.error.forget(kTheta + i, s_.error.P()(kTheta + i, kTheta + i) + lean2);
 }
 
 /// Gravity denies the gyroscope, or the detector goes on saying rest, and it sees further back than any motion that has
@@ -286,7 +300,10 @@ void AttitudeFilter::measure_heading(const HeadingReading& reading, double time_
   s_.heading_stress += blend * (innovation * std::abs(innovation) / expected - s_.heading_stress);
   const double excess = std::abs(s_.heading_stress) - 1.0;
   if (excess > 0.0) s_.error.add_variance(kTheta + 2, params_.heading_doubt * blend * excess * expected);
-  const double lasting = instant * std::max(1.0, 2.0 * params_.heading_noise_time_s / time_s);
+  // A body that lies stays where it is: however long, it is told of one deviation of the place, which this sums up to.
+  const double usual_s = std::max(params_.heading_noise_time_s, time_s), lies = s_.lies_s / usual_s;
+  const double lasts_s = usual_s * std::max(1.0, lies * lies);
+  const double lasting = instant * std::max(1.0, 2.0 * lasts_s / time_s);
   s_.error.update(h, innovation, lasting + reading.white_variance_rad2, reading.iron,
                   taught_by_heading(reading, expected));
 }

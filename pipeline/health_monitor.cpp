@@ -30,6 +30,9 @@ constexpr double kSmallestTurn2 = 0.3;
 /// On a pendulum, an arm that swings or a turntable, the force stands still in the body while the body turns: that is
 /// no contradiction. A mirrored axis leaves the force a change of a quarter of what it pretends, or more.
 constexpr double kPendulum = 0.2;
+/// Of g. Violent motion changes the force as a wrong turn does, but accelerations average out over seconds in axes that
+/// do not turn; axes that a wrong gyroscope carries along turn, and gravity does not add up in them.
+constexpr double kAddsUp = 0.9;
 constexpr double kTurnsMemory_s = 30.0, kVerdictMemory_s = 60.0;
 constexpr double kFast_s = 1.0, kSlow_s = 3.0;
 /// In axes that do not turn a mean of 1.35 g over a second needs 3.4 m/s gained upward, and then another second's.
@@ -39,6 +42,9 @@ constexpr double kWeak = 0.15;                   ///< of g: less has no directio
 constexpr double kContradiction_s = 20.0;
 constexpr int kWindows = 5;
 constexpr double kForget = 0.9;
+constexpr std::int64_t kUnled_ns = 1'000'000'000;
+/// A thermometer speaks seldom, and some only when the temperature has changed.
+constexpr double kTempSilent_s = 10.0;
 constexpr double kFaultyShare = 0.5;  ///< of the change that the gyroscope leaves unexplained
 
 SensorHealth healthy() { return {}; }
@@ -123,6 +129,8 @@ void HealthMonitor::follow_gravity(const CalibratedSample& sample, double dt_s) 
   if (turned_enough && quiet(start) && quiet(end) && without > kPendulum * with) {
     t.with = kForget * t.with + with;
     t.without = kForget * t.without + without;
+    t.pull = kForget * t.pull + vec(pull_.slow).norm() / kStandardGravity_mps2;
+    t.weight = kForget * t.weight + 1.0;
     t.windows = std::min(t.windows + 1, kWindows);
     t.unseen_s = 0.0;
   }
@@ -190,7 +198,7 @@ SensorHealth HealthMonitor::judge_gyr(const GuardedSample& g, bool offset_jumped
   if ((gyr_.norm.over_s >= kMean_s && gyr_.norm.value > kLargestRate_radps) ||
       (gyr_.norm_now.over_s >= kNow_s && gyr_.norm_now.value > kAbsurdRate_radps))
     return faulty(Fault::kUnits, std::max(gyr_.norm.value, gyr_.norm_now.value) / kLargestRate_radps);
-  if (turns_.windows >= kWindows) {
+  if (turns_.windows >= kWindows && turns_.pull < kAddsUp * turns_.weight) {
     // Gravity in the body changes by the turn alone. What the gyroscope leaves of that change is its contradiction.
     const double left = turns_.with / std::max(turns_.with, turns_.without);
     if (left > kFaultyShare) return faulty(Fault::kAxes, left / kFaultyShare);
@@ -215,12 +223,29 @@ SensorHealth HealthMonitor::judge_mag(const GuardedSample& g, HeadingReference h
   return healthy();
 }
 
+SensorHealth HealthMonitor::judge_temp(const GuardedSample& g) const noexcept {
+  const bool silent = (g.absent & kTemp) != 0 && temp_silent_s_ > kTempSilent_s;
+  if (!temp_heard_ || silent) return {Health::kAbsent, Fault::kAbsent};
+  return found_.temp;
+}
+
+void HealthMonitor::wait(const RawSample& row, std::uint8_t absent) noexcept {
+  if (!waiting_since_ns_ || row.t_ns < *waiting_since_ns_) waiting_since_ns_ = row.t_ns;
+  for (const auto& [part, health] : {std::pair{kMag, &health_.mag}, std::pair{kTemp, &health_.temp}})
+    if (row.holds(part) && health->state == Health::kAbsent) follow(*health, healthy(), row.t_ns);
+  if (row.t_ns - *waiting_since_ns_ < kUnled_ns) return;
+  for (const auto& [part, health] : {std::pair{kAcc, &health_.acc}, std::pair{kGyr, &health_.gyr}})
+    if ((absent & part) != 0) follow(*health, {Health::kAbsent, Fault::kAbsent}, *waiting_since_ns_);
+}
+
 SensorsHealth HealthMonitor::observe(const GuardedSample& guarded, const CalibratedSample& corrected,
                                      const fusion::AttitudeEstimate& estimate) noexcept {
   const RawSample& s = guarded.sample;
-  const double dt_s = started_ ? kSecondsPerNs * static_cast<double>(s.t_ns - last_ns_) : 0.0;
+  const double dt_s = started_ ? in_seconds(s.t_ns - last_ns_) : 0.0;
   last_ns_ = s.t_ns;
+  if (!started_) health_ = {};  // so that an absence begins here
   started_ = true;
+  waiting_since_ns_.reset();
   if (s.holds(kAcc)) acc_.note(s.acc_mps2, (guarded.clipped & kAcc) != 0, dt_s);
   if (s.holds(kGyr)) gyr_.note(s.gyr_radps, (guarded.clipped & kGyr) != 0, dt_s);
   if (s.holds(kMag)) mag_.note(s.mag_uT, (guarded.clipped & kMag) != 0, dt_s);
@@ -235,13 +260,14 @@ SensorsHealth HealthMonitor::observe(const GuardedSample& guarded, const Calibra
     rest_norm_ += dt_s / rest_s_ * (vec(corrected.acc_mps2).norm() - rest_norm_);
   mag_same_turn_rad_ = mag_.same_s > 0.0 ? mag_same_turn_rad_ + dt_s * vec(estimate.rate_body_radps).norm() : 0.0;
   temp_heard_ |= s.holds(kTemp);
+  temp_silent_s_ = s.holds(kTemp) ? 0.0 : temp_silent_s_ + dt_s;
   follow_gravity(corrected, dt_s);
   follow_pull(corrected, estimate.rate_body_radps, dt_s);
   if (estimate.denied) pull_.contradicted_s = kContradiction_s;
   follow(health_.acc, graver(judge_acc(guarded, estimate.acc_offset_jumped), found_.acc), s.t_ns);
   follow(health_.gyr, graver(judge_gyr(guarded, estimate.gyro_offset_jumped), found_.gyr), s.t_ns);
   follow(health_.mag, graver(judge_mag(guarded, estimate.heading), found_.mag), s.t_ns);
-  follow(health_.temp, temp_heard_ ? found_.temp : SensorHealth{Health::kAbsent, Fault::kAbsent}, s.t_ns);
+  follow(health_.temp, judge_temp(guarded), s.t_ns);
   return health_;
 }
 

@@ -1,6 +1,7 @@
 /// The health of each sensor, from what the sensors say of each other: repetition, limits, units, and whether gravity
 /// turns in the body as the gyroscope says. docs/decisions/081-one-judge-of-health.md.
 #pragma once
+#include <optional>
 #include <type_traits>
 
 #include "core/health.h"
@@ -19,6 +20,9 @@ class HealthMonitor {
   /// The sample as the stages use it, and what the filter made of it.
   SensorsHealth observe(const GuardedSample& guarded, const CalibratedSample& corrected,
                         const fusion::AttitudeEstimate& estimate) noexcept;
+  /// A row that makes no sample, and who is overdue at its time (bits of SamplePart). Where no row has made one for a
+  /// while, nobody else says that those who lead are silent.
+  void wait(const RawSample& row, std::uint8_t absent) noexcept;
 
   [[nodiscard]] const SensorsHealth& now() const noexcept { return health_; }
 
@@ -62,6 +66,7 @@ class HealthMonitor {
     Array4 q{1, 0, 0, 0};              ///< body now to body at the start
     double unseen_s = 0.0;             ///< since a window that told something
     double with = 0.0, without = 0.0;  ///< squared change of gravity, with and without that turn
+    double pull = 0.0, weight = 0.0;   ///< length of the mean force that the gyroscope carries along, in g
     int windows = 0;
     bool begun = false;
   };
@@ -78,15 +83,18 @@ class HealthMonitor {
   [[nodiscard]] SensorHealth judge_acc(const GuardedSample& g, bool offset_jumped) const noexcept;
   [[nodiscard]] SensorHealth judge_gyr(const GuardedSample& g, bool offset_jumped) const noexcept;
   [[nodiscard]] SensorHealth judge_mag(const GuardedSample& g, HeadingReference heading) const noexcept;
+  [[nodiscard]] SensorHealth judge_temp(const GuardedSample& g) const noexcept;
 
   Readings acc_, gyr_, mag_;
   NoiseWatch acc_noise_{kLeastNoise_mps2}, gyr_noise_{kLeastNoise_radps};
   Turns turns_;
   Pull pull_;
   SensorsHealth found_;  ///< by the plausibility of the readings
-  SensorsHealth health_;
-  double rest_s_ = 0.0, rest_norm_ = 0.0;  ///< of the specific force over the last second of rest
-  double mag_same_turn_rad_ = 0.0;         ///< how far the body has turned while the magnetometer repeated itself
+  SensorsHealth health_ = unheard();
+  std::optional<std::int64_t> waiting_since_ns_;  ///< time of the first row since the last sample
+  double rest_s_ = 0.0, rest_norm_ = 0.0;         ///< of the specific force over the last second of rest
+  double mag_same_turn_rad_ = 0.0;  ///< how far the body has turned while the magnetometer repeated itself
+  double temp_silent_s_ = 0.0;
   std::int64_t last_ns_ = 0;
   bool started_ = false, temp_heard_ = false;
 };

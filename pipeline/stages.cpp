@@ -18,12 +18,23 @@ bool publishable(const fusion::AttitudeEstimate& e) noexcept {
          std::all_of(e.covariance_world_rad2.begin(), e.covariance_world_rad2.end(), finite);
 }
 
-/// Any attitude: each angle is even over the half turn to either side.
+constexpr double kAnyAngle_rad = std::numbers::pi / std::numbers::sqrt3;  // even over the half turn to either side
+
+/// Any attitude.
 void state_ignorance(fusion::AttitudeEstimate& e) noexcept {
-  constexpr double kAnyAngle_rad = std::numbers::pi / std::numbers::sqrt3;
   e.covariance_world_rad2 = array(Mat3(kAnyAngle_rad * kAnyAngle_rad * Mat3::Identity()));
   e.sigma_roll_rad = e.sigma_pitch_rad = e.sigma_yaw_rad = kAnyAngle_rad;
   if (e.status == AttitudeStatus::kOk) e.status = AttitudeStatus::kDegraded;
+}
+
+/// No heading is less known than any heading.
+void bound_heading(fusion::AttitudeEstimate& e) noexcept {
+  if (e.sigma_yaw_rad <= kAnyAngle_rad) return;
+  Mat3 P = mat(e.covariance_world_rad2);
+  P.row(2) *= kAnyAngle_rad / e.sigma_yaw_rad;
+  P.col(2) *= kAnyAngle_rad / e.sigma_yaw_rad;
+  e.covariance_world_rad2 = array(P);
+  fusion::set_sigmas(e);
 }
 
 AttitudeStatus status_of(const Processed& p) noexcept {
@@ -44,7 +55,7 @@ AttitudeMessage to_message(const Processed& p) noexcept {
   m.gyro_bias_radps = e.gyro_bias_radps;
   m.orientation_covariance_rad2 = e.covariance_world_rad2;
   m.sigma_rpy_rad = {e.sigma_roll_rad, e.sigma_pitch_rad, e.sigma_yaw_rad};
-  if (p.temp_measured) m.temp_degC = p.sample.temp_degC;
+  if (p.temp_measured && p.health.temp.state != Health::kAbsent) m.temp_degC = p.sample.temp_degC;
   m.at_rest = e.at_rest;
   m.status = status_of(p);
   m.heading_reference = e.heading;
@@ -88,6 +99,7 @@ StageStatus Stages::estimate(const GuardedSample& guarded, Processed& out) noexc
   }
   other_unit_ = other_unit;
   if (HealthMonitor::unfounded(out.health)) state_ignorance(estimate);
+  bound_heading(estimate);
   out.attitude = in_frame(estimate, params_.frame);
   if (!publishable(out.attitude)) {
     ++counts_.gate_refused;

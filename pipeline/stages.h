@@ -2,6 +2,7 @@
 /// daemon's sensor thread and the offline `estimate` run this same class; only the link to the calibration differs.
 #pragma once
 #include <optional>
+#include <span>
 
 #include "calib_online/field_turns.h"
 #include "calib_online/rest_detector.h"
@@ -60,10 +61,6 @@ struct StagesCounts {
 
 class Stages {
  public:
-  using Input = RawSample;
-  using Output = Processed;
-  static constexpr std::string_view kName = "stages";
-
   Stages(const StagesParams& params, const CalibrationSnapshot& start) noexcept
       : params_(params),
         guard_(params.guard),
@@ -84,6 +81,8 @@ class Stages {
     RawSample as_it_came = raw;  // its times as well, but no broken transfers: what is left shows the unit
     as_it_came.has = static_cast<std::uint8_t>(raw.has & ~row.spikes);
     plausibility_.push(as_it_came);
+    if (!row.leads && SensorClock::is_time(row.sample.t_ns))
+      health_.wait(row.sample, guard_.absent_at(row.sample.t_ns));
     if (guarded_as == StageStatus::kDrop) return StageStatus::kDrop;
     find_rails(row);
     if (assemble_.process(row, guarded) == StageStatus::kDrop) return StageStatus::kDrop;
@@ -105,6 +104,7 @@ class Stages {
 
   [[nodiscard]] std::span<const Finding> findings() const noexcept { return plausibility_.findings(); }
   [[nodiscard]] const GuardStage& guard() const noexcept { return guard_; }
+  [[nodiscard]] const SensorsHealth& health() const noexcept { return health_.now(); }
   [[nodiscard]] const StagesCounts& counts() const noexcept { return counts_; }
   [[nodiscard]] const CalibrationSnapshot& live() const noexcept { return correct_.live(); }
   [[nodiscard]] const fusion::AttitudeFilter& filter() const noexcept { return filter_; }

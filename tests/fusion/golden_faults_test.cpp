@@ -5,6 +5,7 @@
 #include <iomanip>
 #include <limits>
 
+#include "core/units.h"
 #include "fusion/attitude_filter.h"
 #include "tests/fusion/random_motion.h"
 #include "tests/golden.h"
@@ -18,7 +19,7 @@ using test::within;
 
 std::string whole_line(const AttitudeEstimate& e) {
   std::ostringstream out;
-  out << std::fixed << std::setprecision(6) << 1e-9 * static_cast<double>(e.t_ns);
+  out << std::fixed << std::setprecision(6) << in_seconds(e.t_ns);
   for (const double x : e.q_world_body) out << ' ' << x;
   for (const double x : {e.sigma_roll_rad, e.sigma_pitch_rad, e.sigma_yaw_rad}) out << ' ' << x;
   for (const double x : e.rate_body_radps) out << ' ' << x;

@@ -3,6 +3,7 @@
 
 #include <filesystem>
 
+#include "core/units.h"
 #include "fusion/attitude_filter.h"
 #include "io/recording.h"
 #include "tests/fusion/random_motion.h"
@@ -14,9 +15,9 @@ namespace {
 
 std::string line(const AttitudeEstimate& e) {
   char text[160];
-  std::snprintf(text, sizeof text, "%.3f %.6f %.6f %.6f %.6f %.6f %.6f %d %d\n", 1e-9 * static_cast<double>(e.t_ns),
-                e.q_world_body[0], e.q_world_body[1], e.q_world_body[2], e.q_world_body[3], e.sigma_roll_rad,
-                e.sigma_yaw_rad, static_cast<int>(e.heading), static_cast<int>(e.status));
+  std::snprintf(text, sizeof text, "%.3f %.6f %.6f %.6f %.6f %.6f %.6f %d %d\n", in_seconds(e.t_ns), e.q_world_body[0],
+                e.q_world_body[1], e.q_world_body[2], e.q_world_body[3], e.sigma_roll_rad, e.sigma_yaw_rad,
+                static_cast<int>(e.heading), static_cast<int>(e.status));
   return text;
 }
 

@@ -6,6 +6,8 @@
 #include <numbers>
 #include <random>
 
+#include "core/so3.h"
+#include "core/units.h"
 #include "tests/pipeline/simulated_run.h"
 
 namespace stillpoint::pipeline {
@@ -36,7 +38,7 @@ Outcome run(const std::function<void(RawSample&)>& spoil, std::uint64_t seed) {
   Processed out;
   Outcome outcome;
   for (sim::SimulatedSample s; simulator.next(s);) {
-    const double t_s = kSecondsPerNs * static_cast<double>(s.sample.t_ns);
+    const double t_s = in_seconds(s.sample.t_ns);
     if (t_s > kFrom_s) spoil(s.sample);
     if (stages.process(s.sample, out, link) == StageStatus::kDrop) continue;
     for (const SensorHealth& sensor : {out.health.acc, out.health.gyr, out.health.mag})
@@ -96,6 +98,35 @@ TEST(HealthMonitor, NamesNothingOnAnArmThatSwings) {
     moved |= std::abs(angle) > 0.4;
   }
   EXPECT_TRUE(moved);
+  EXPECT_FALSE(faulty);
+}
+
+/// Strokes that accelerate the body by as much as gravity while it turns: the force passes the length of gravity now
+/// and then, and points elsewhere.
+TEST(HealthMonitor, NamesNothingInViolentMotion) {
+  calib::OnlineCalibrator calibrator({}, {});
+  DirectLink link(calibrator);
+  Stages stages({}, calibrator.snapshot());
+  Processed out;
+  Quat q = Quat::Identity();
+  bool faulty = false;
+  for (int i = 0; i < 9000; ++i) {
+    const double t = 0.01 * i, begun = t > 5.0 ? t - 5.0 : 0.0;
+    const auto wave = [begun](double hz, double phase) {
+      return begun > 0.0 ? std::sin(2.0 * std::numbers::pi * hz * begun + phase) : 0.0;
+    };
+    const Vec3 rate(3.0 * wave(0.9, 0.0), 2.5 * wave(0.7, 1.0), 2.0 * wave(0.4, 2.0));
+    const Vec3 acceleration(8.0 * wave(1.1, 0.5), 7.0 * wave(1.3, 2.5), 6.0 * wave(1.7, 1.5));
+    RawSample s;
+    s.t_ns = 10'000'000LL * (i + 1);
+    s.has = kAcc | kGyr;
+    s.gyr_radps = array(rate);
+    q = (q * exp_quat(Vec3(0.01 * rate))).normalized();
+    s.acc_mps2 = array(Vec3(q.conjugate() * (acceleration + Vec3(0.0, 0.0, kStandardGravity_mps2))));
+    s.acc_mps2[0] += 1e-3 * std::sin(0.37 * i), s.gyr_radps[0] += 1e-4 * std::cos(0.53 * i);
+    if (stages.process(s, out, link) == StageStatus::kDrop) continue;
+    faulty |= out.health.gyr.state == Health::kFaulty;
+  }
   EXPECT_FALSE(faulty);
 }
 
