@@ -1,11 +1,15 @@
 #include "diagnosis/finding_effect.h"
 
+#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 #include <string>
 #include <vector>
 
+#include "diagnosis/discovery/law_words.h"
+#include "diagnosis/discovery/table_term.h"
 #include "simulation/effect_catalogue.h"
+#include "simulation/law_effect.h"
 
 namespace stillpoint::diag {
 namespace {
@@ -68,6 +72,27 @@ std::optional<sim::EffectConfig> effect_of(const Finding& finding) {
     if (!numbers->axes.empty()) e.axes = numbers->axes;
   }
   return e;
+}
+
+bool is_entry_of(const sim::EffectConfig& entry, const Finding& finding) {
+  if (entry.id == finding.effect) return true;
+  if (!is_unknown(finding) || (!sim::is_law(entry) && !sim::is_table(entry)) || entry.sensors.size() != 1) return false;
+  const bool its_sensor =
+      !finding.channels.empty() && finding.channels.front().starts_with(sim::prefix(entry.sensors.front()));
+  const std::string text = law_text(finding.effect);
+  return its_sensor && sim::expression_of(entry) == driver_of_table(text).value_or(text);
+}
+
+bool same_numbers(const sim::EffectConfig& a, const sim::EffectConfig& b) {
+  constexpr double kSameNumbers = 0.1;  // of the size of an effect
+  if (a.id != b.id) return false;
+  return std::all_of(b.parameters.begin(), b.parameters.end(), [&a](const auto& p) {
+    const auto at = a.parameters.find(p.first);
+    if (at == a.parameters.end() || at->second.size() != p.second.size()) return false;
+    const auto n = static_cast<Eigen::Index>(p.second.size());
+    const Eigen::Map<const Eigen::VectorXd> x(at->second.data(), n), y(p.second.data(), n);
+    return (x - y).norm() < kSameNumbers * x.norm();
+  });
 }
 
 bool contains(const std::vector<sim::EffectConfig>& entries, const std::string& id) {

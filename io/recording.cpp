@@ -118,9 +118,11 @@ std::vector<std::string> describe(const RecordingIssues& i) {
     lines.push_back(fmt::format("{} gaps in time, the longest {:.3f} s (first in line {})", i.gap.count,
                                 i.longest_gap_s, i.gap.first_line));
   if (i.truncated_last_line) lines.emplace_back("the last line was cut short, dropped");
-  for (const auto& name : i.unknown_columns) {
-    const std::string meant = meant_column(name);
-    lines.push_back(fmt::format("column {} is not known, set aside{}", quote(name),
+  for (auto name = i.unknown_columns.begin(); name != i.unknown_columns.end(); ++name) {
+    const std::string meant = meant_column(*name);
+    const bool no_name = name->empty() || std::find(i.unknown_columns.begin(), name, *name) != name;
+    lines.push_back(fmt::format("column {} is not known, {}{}", quote(*name),
+                                no_name ? "set aside" : "its numbers are kept under this name",
                                 meant.empty() ? "" : fmt::format("; did you mean '{}'?", meant)));
   }
   return lines;

@@ -8,6 +8,7 @@
 
 #include "core/result.h"
 #include "core/types.h"
+#include "core/units.h"
 #include "io/text_file.h"
 
 namespace stillpoint::io {
@@ -55,7 +56,7 @@ struct Recording {
   RecordingIssues issues;
 
   [[nodiscard]] std::size_t size() const { return t_ns.size(); }
-  [[nodiscard]] double t_s(std::size_t row) const { return 1e-9 * static_cast<double>(t_ns[row]); }
+  [[nodiscard]] double t_s(std::size_t row) const { return in_seconds(t_ns[row]); }
   /// Median time step in seconds; 0 with fewer than two rows.
   [[nodiscard]] double median_step_s() const;
   /// Row as the sensor's sample. A triad with a missing axis is not in the sample.

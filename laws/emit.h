@@ -16,6 +16,7 @@ struct Coupled {
   std::array<double, 9> matrix{};   ///< row-major; without a matrix the first three are k
   double from_s = 0.0, to_s = 0.0;  ///< of the law's time; equal: always
   std::string sensor, unit;         ///< for the comment: "accelerometer", "m/s^2"
+  std::vector<std::string> beside;  ///< further lines of it: what it was found beside
 };
 
 enum class Language { kPython, kCpp, kMatlab };

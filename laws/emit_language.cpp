@@ -21,6 +21,7 @@ std::vector<std::string> Dialect::words(const Coupled& law, const Names& drivers
                                            law.has_matrix ? "a matrix" : "k"),
                                "  " + text(law.tree),
                                "t: seconds, increasing" + std::string(drivers.empty() ? "" : "; drivers:")};
+  out.insert(out.begin() + 2, law.beside.begin(), law.beside.end());
   for (const auto& [name, vector] : drivers) {
     const auto info = standard_drivers().find(name);
     const bool known = info != standard_drivers().end();

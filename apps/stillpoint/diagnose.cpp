@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cstdio>
 #include <functional>
 
@@ -38,18 +39,39 @@ struct Options {
   bool fail_on_mismatch = false;
 };
 
+/// Bias and matrix that were set right, as the effects were found beside them.
+std::string numbers_to_paste(const diag::Answer& answer) {
+  static constexpr std::array kName{"accelerometer", "gyroscope", "magnetometer"};
+  std::string out;
+  for (std::size_t k = 0; k < kName.size(); ++k) {
+    if (!answer.numbers[k]) continue;
+    const Vec3& b = answer.numbers[k]->bias;
+    const Mat3& H = answer.numbers[k]->matrix;
+    out +=
+        fmt::format("{}: {{bias: [{}, {}, {}], matrix: [[{}, {}, {}], [{}, {}, {}], [{}, {}, {}]]}}\n", kName[k], b.x(),
+                    b.y(), b.z(), H(0, 0), H(0, 1), H(0, 2), H(1, 0), H(1, 1), H(1, 2), H(2, 0), H(2, 1), H(2, 2));
+  }
+  return out;
+}
+
 /// The found physics as blocks to paste: for the simulation, and for the daemon what it can take out in real time.
-std::string blocks_to_paste(const std::vector<sim::EffectConfig>& effects) {
+std::string blocks_to_paste(const diag::Answer& answer) {
   std::string simulation, daemon;
-  for (const auto& e : effects) {
+  for (const auto& e : answer.effects) {
     const std::string line = "  - " + io::format_effect(e) + "\n";
     simulation += line;
     if (io::can_be_compensated(e)) daemon += line;
   }
   std::string out;
   if (!simulation.empty()) out += "# into the simulation\neffects:\n" + simulation;
+  if (const std::string numbers = numbers_to_paste(answer); !simulation.empty() && !numbers.empty())
+    out += "# they belong to these numbers: the sensor reads matrix^-1 (truth + effects) + bias\n" + numbers;
   if (!daemon.empty()) out += "# into the daemon's configuration\ncompensate:\n" + daemon;
   return out;
+}
+
+void add(std::vector<std::string>& notices, const std::vector<std::string>& more) {
+  notices.insert(notices.end(), more.begin(), more.end());
 }
 
 diag::Answer with_progress(const std::string& what, const io::Recording& recording,
@@ -73,12 +95,12 @@ void validate_on(const std::string& file, const io::Recording& other, const sim:
 }
 
 /// Writes the answer wherever it is asked for. `improve` writes the improved simulation or log.
-int give_answer(const Options& o, bool quiet, const diag::Answer& answer,
-                const std::function<Result<void>()>& improve) {
-  const std::string blocks = blocks_to_paste(answer.effects), json = o.json.file();
+int give_answer(const Options& o, bool quiet, diag::Answer answer, const std::function<Result<void>()>& improve) {
+  if (!o.code.empty()) add(answer.diagnosis.notices, without_code(answer));
+  const std::string blocks = blocks_to_paste(answer), json = o.json.file();
   if (!quiet) std::fputs(diag::to_text(answer.diagnosis).c_str(), stdout);
   if (!quiet && !blocks.empty()) std::printf("\nNEXT     put the physics where it is missing:\n%s", blocks.c_str());
-  const std::vector<diag::CodeBlock> code = laws_as_code(answer.effects);
+  const std::vector<diag::CodeBlock> code = laws_as_code(answer);
   const diag::ReportContext context{o.recordings.front(), o.simulation + o.simulated, o.validate, blocks, code};
   if (!o.improved.empty())
     if (const auto done = improve(); !done) return report(done.error());
@@ -102,8 +124,9 @@ int diagnose_simulated_log(const Options& o, bool quiet, const io::Recording& re
   auto found = diag::diagnose_log(*log, recording, o.without, [&progress](double share) { progress.at(share); });
   if (!found) return report({found.error().kind, o.simulated + ": " + found.error().message});
   auto& notices = found->answer.diagnosis.notices;
-  for (const auto& line : io::describe(recording.issues)) notices.push_back(line);
+  add(notices, io::describe(recording.issues));
   for (const auto& line : io::describe(log->issues)) notices.push_back(o.simulated + ": " + line);
+  if (!o.improved.empty()) add(notices, found->not_improved);
   return give_answer(o, quiet, found->answer, [&] { return io::write_recording(found->improved, o.improved); });
 }
 
@@ -113,7 +136,7 @@ int diagnose_simulation(const Options& o, bool quiet, const io::Recording& recor
   const auto other = o.validate.empty() ? io::Recording{} : io::read_recording(o.validate, io::OnMalformedRow::kCount);
   if (!other) return report(other.error());
   diag::Answer answer = with_progress("diagnosing", recording, *simulation, o.without, o.twins);
-  for (const auto& line : io::describe(recording.issues)) answer.diagnosis.notices.push_back(line);
+  add(answer.diagnosis.notices, io::describe(recording.issues));
   if (!o.validate.empty()) validate_on(o.validate, *other, *simulation, answer);
   const sim::SimulationConfig improved = diag::improved_by(answer, *simulation);
   return give_answer(o, quiet, answer, [&] { return io::write_simulation(improved, o.improved); });
@@ -167,7 +190,7 @@ void add_diagnose(CLI::App& app, Run& run) {
   add_file(*command, "--report", o.report, "write the report (HTML, one file)");
   add_file(*command, "--improved", o.improved,
            "write the simulation (YAML) or the simulated log (CSV) with the found physics in it");
-  command->add_option("--code", o.code, "write the laws that were found as Python, C++ and MATLAB into this folder")
+  command->add_option("--code", o.code, "write what was found as functions in Python, C++ and MATLAB into this folder")
       ->type_name("DIR");
   add_file(*command, "--validate", o.validate, "judge the improved simulation on another recording (CSV)")
       ->excludes(log);

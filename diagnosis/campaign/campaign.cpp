@@ -24,16 +24,15 @@ std::string sensor_of(const Finding& f) { return f.channels.empty() ? "" : f.cha
 
 /// The entry that an answer wrote for its finding; none where it has no law.
 const sim::EffectConfig* entry_of(const Answer& answer, const Finding& f) {
-  const std::string id = is_unknown(f) ? std::string(sim::kLawPrefix) + law_text(f.effect) : f.effect;
-  const auto same = std::find_if(answer.effects.begin(), answer.effects.end(), [&](const sim::EffectConfig& e) {
-    return e.id == id && (!is_unknown(f) || (e.sensors.size() == 1 &&
-                                             sensor_of(f) == kSensorName[static_cast<std::size_t>(e.sensors.front())]));
-  });
+  const auto same = std::find_if(answer.effects.begin(), answer.effects.end(),
+                                 [&f](const sim::EffectConfig& e) { return is_entry_of(e, f) && !sim::is_table(e); });
   return same == answer.effects.end() ? nullptr : &*same;
 }
 
 /// What happens at a time is an event of one recording.
-bool is_event(const sim::EffectConfig& e) { return e.window_s || e.parameters.count("t0_s") > 0; }
+bool is_event(const sim::EffectConfig& e) {
+  return e.window_s || e.parameters.count("t0_s") > 0 || e.id.find("step(t,") != std::string::npos;
+}
 
 /// The same parameter in a part's finding of the same effect; null where it has none.
 const Parameter* find_parameter(const Finding& f, const std::string& name) {

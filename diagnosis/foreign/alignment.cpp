@@ -11,24 +11,29 @@
 #include <string_view>
 
 #include "core/directions.h"
+#include "core/median.h"
 #include "core/so3.h"
+#include "core/units.h"
 #include "diagnosis/foreign/clocks.h"
-#include "diagnosis/median.h"
 #include "diagnosis/sanity/comparison.h"
+#include "diagnosis/sanity/rows.h"
 
 namespace stillpoint::diag {
 namespace {
 
-constexpr double kSameMotion = 0.7;   // correlation of the norms
-constexpr double kShortest_s = 10.0;  // of the overlap
-constexpr double kDrift = 2e-3;       // of two clocks; beyond, it is no clock
-constexpr double kParted = 0.5;       // of the block's own scatter left over by the best linear map
-constexpr double kStill = 4.0;        // times the noise: no motion
+constexpr double kSlowest_hz = 0.5, kFastest_hz = 2e4;  // of readings of a motion
+constexpr double kMostAsLong = 500.0;                   // one of the two as the other
+constexpr double kSameMotion = 0.7;                     // correlation of the norms
+constexpr double kShortest_s = 10.0;                    // of the overlap
+constexpr double kDrift = 2e-3;                         // of two clocks; beyond, it is no clock
+constexpr double kParted = 0.5;                         // of the block's own scatter left over by the best linear map
+constexpr double kStill = 4.0;                          // times the noise: no motion
 constexpr double kBlock_s = 2.0;
 constexpr double kSameAxes_rad = 0.35;
 constexpr double kUnseen = 1e-3;        // of the power of all axes: one that moves less says nothing of units or axes
 constexpr double kLongestStep_s = 0.1;  // between two frames of a reference that say how it turned
 constexpr Eigen::Index kFewestFrames = 200;
+constexpr std::array<const char*, kSensors> kSensorWord{"accelerometer", "gyroscope", "magnetometer"};
 
 const std::vector<Vec3>& column(const io::Recording& r, Sensor k) {
   return k == kAcc ? r.acc_mps2 : k == kGyr ? r.gyr_radps : r.mag_uT;
@@ -42,6 +47,33 @@ Course course_of(const io::Recording& r, Sensor k) {
   Course c{filled3(column(r, k)), {r.median_step_s(), Series(static_cast<Eigen::Index>(r.size()))}};
   for (std::size_t i = 0; i < r.size(); ++i) c.rows.t_s[static_cast<Eigen::Index>(i)] = r.t_s(i) - r.t_s(0);
   return c;
+}
+
+/// The readings alone, each at its time.
+Course readings_of(const io::Recording& r, Sensor k) {
+  std::vector<Vec3> read;
+  std::vector<double> at;
+  for (std::size_t i = 0; i < r.size(); ++i)
+    if (const Vec3& v = column(r, k)[i]; v.allFinite()) read.push_back(v), at.push_back(r.t_s(i) - r.t_s(0));
+  const auto n = static_cast<Eigen::Index>(at.size());
+  const double step_s = (at.back() - at.front()) / std::max(1.0, static_cast<double>(n - 1));
+  return {filled3(read), {std::max(step_s, 1e-9), Eigen::Map<const Series>(at.data(), n)}};
+}
+
+/// Why the times of the two cannot be of one motion, in words; empty: they can. What follows would work on rows without
+/// end.
+std::string wrong_unit_of_time(const Course& log, const Course& recording) {
+  const auto of_a_motion = [](const Course& c) {
+    return c.rows.step_s > 1.0 / kFastest_hz && c.rows.step_s < 1.0 / kSlowest_hz;
+  };
+  const double times = log.end_s() / std::max(recording.end_s(), 1e-9);
+  if (of_a_motion(log) && of_a_motion(recording) && times < kMostAsLong && times > 1.0 / kMostAsLong) return {};
+  return fmt::format(
+      "the simulated log is of {:.4g} s at {:.4g} Hz, the recording of {:.4g} s at {:.4g} Hz: the time column of one "
+      "is "
+      "likely in another unit (s, ms, us or ns) than it is taken for; for the log write time: {{column: ..., unit: "
+      "...}} into --map",
+      log.end_s(), 1.0 / log.rows.step_s, recording.end_s(), 1.0 / recording.rows.step_s);
 }
 
 /// What neighbours scatter, in the quietest tenth of the seconds.
@@ -106,16 +138,6 @@ Map linear_map(const Series3& x, const Series3& y, const Mask& outside) {
   return {Mat3(c.bottomRows(3).transpose()), (y - x * c.bottomRows(3)).rowwise() - c.row(0), scatter};
 }
 
-/// Rows before the log begins or after it ends.
-Mask outside_of(const Course& log, const Course& course, const Clocks& clocks) {
-  Mask out(static_cast<std::size_t>(course.x.rows()));
-  for (std::size_t i = 0; i < out.size(); ++i) {
-    const double at = clocks.at(course.rows.at(static_cast<Eigen::Index>(i)));
-    out[i] = at < 0.0 || at > log.end_s() ? 1 : 0;
-  }
-  return out;
-}
-
 /// The map of the rows that it fits best for how much they move: half of them, so that a part of another motion does
 /// not bend it, nor a rest, which says nothing of it.
 Map map_of_the_better_half(const Series3& x, const Series3& y, const Mask& outside) {
@@ -141,8 +163,8 @@ std::string unit_of_factor(Sensor k, double factor) {
     double factor;
     const char* words;
   };
-  static const std::vector<Known> all{{kGyr, 57.29578, "deg/s (name its columns gyr_x_dps, ...)"},
-                                      {kAcc, 1.0 / 9.80665, "g (name its columns acc_x_g, ...)"},
+  static const std::vector<Known> all{{kGyr, kDegPerRad, "deg/s (name its columns gyr_x_dps, ...)"},
+                                      {kAcc, 1.0 / kStandardGravity_mps2, "g (name its columns acc_x_g, ...)"},
                                       {kAcc, 101.97, "mg (divide by 1000 and name its columns acc_x_g, ...)"},
                                       {kMag, 0.01, "gauss (name its columns mag_x_gauss, ...)"},
                                       {kMag, 10.0, "milligauss (divide by 10)"},
@@ -178,13 +200,17 @@ std::string difference(Sensor k, const Map& map) {
   }
   const Mat3 R = A * Eigen::SelfAdjointEigenSolver<Mat3>(A.transpose() * A).operatorInverseSqrt();  // of A = R S
   const std::string axes = axes_of(R);
+  if (axes == "-x -y -z")
+    return fmt::format(
+        "{} negated{}; multiply by -1", kSensorWord[k],
+        k == kAcc ? ": at rest the simulated log reads -g, the recording +g, or the other way round" : "");
   if (R.determinant() < 0.0)
     return fmt::format("the {} of the simulated log has other axes (mirrored{}): one of the two is left-handed",
                        kSensorName[k], axes.empty() ? "" : ": the recording's x, y, z are its " + axes);
   const double angle = log_so3(R).norm();
   if (angle < kSameAxes_rad) return {};
   return fmt::format(
-      "the {} of the simulated log has other axes, turned by {:.0f} deg{}", kSensorName[k], angle * 57.29578,
+      "the {} of the simulated log has other axes, turned by {:.0f} deg{}", kSensorName[k], angle * kDegPerRad,
       axes.empty() ? "; turn it into the sensor's frame"
                    : fmt::format(": the recording's x, y, z are its {0}; import it with mount: \"{0}\"", axes));
 }
@@ -195,7 +221,7 @@ double parts_at_s(const Course& motion, const Course& log, const Clocks& clocks)
   const auto block = std::max<Eigen::Index>(1, std::lround(kBlock_s / motion.rows.step_s));
   const double noise = std::hypot(quiet_noise(motion.x, motion.rows.step_s), quiet_noise(log.x, log.rows.step_s));
   const double still = kStill * noise * std::sqrt(3.0 * static_cast<double>(block));
-  const Mask outside = outside_of(log, motion, clocks);
+  const Mask outside = unread_at_rows_of(motion, log, clocks);
   const Map map = map_of_the_better_half(at_rows_of(motion, log, clocks), motion.x, outside);
   std::vector<std::pair<double, bool>> agreed;
   for (Eigen::Index b = 0; b + block <= motion.x.rows(); b += block) {
@@ -219,13 +245,22 @@ double parts_at_s(const Course& motion, const Course& log, const Clocks& clocks)
   return best < agreed.size() ? agreed[best].first : -1.0;
 }
 
+/// What the log says of a sensor, and where it says nothing, what was read.
+Series3 said_or_read(const AlignedLog& log, Sensor k) {
+  Series3 out = log.reading[k];
+  for (std::size_t i = 0; i < log.unread[k].size(); ++i)
+    if (log.unread[k][i] && detail::there(column(log.reference, k), i))
+      out.row(static_cast<Eigen::Index>(i)) = column(log.reference, k)[i].transpose();
+  return out;
+}
+
 /// The attitude: the recording's own, else the log's, else the log's rate summed up from where gravity says it began.
 void add_reference(const io::Recording& log, const Course& recording, const Clocks& clocks, AlignedLog& out) {
   io::Recording& r = out.reference;
   if (!r.ref_q_world_body.empty()) return;
   if (out.reading[kGyr].rows() == 0) return;
   out.summed_up = true;
-  const Series3& w = out.reading[kGyr];
+  const Series3 w = said_or_read(out, kGyr);
   Quat q = Quat::Identity();
   if (!log.ref_q_world_body.empty()) {
     const double t0 = clocks.offset_s;
@@ -234,7 +269,7 @@ void add_reference(const io::Recording& log, const Course& recording, const Cloc
     const Eigen::Vector4d& g = log.ref_q_world_body[row];
     if (g.allFinite()) q = detail::as_expected(g);
   } else if (out.reading[kAcc].rows() > 0) {
-    q = turn_between(Vec3(out.reading[kAcc].topRows(std::min<Eigen::Index>(20, w.rows())).colwise().mean()),
+    q = turn_between(Vec3(said_or_read(out, kAcc).topRows(std::min<Eigen::Index>(20, w.rows())).colwise().mean()),
                      Vec3::UnitZ());
   }
   for (Eigen::Index i = 0; i < w.rows(); ++i) {
@@ -253,7 +288,12 @@ Result<AlignedLog> align(const io::Recording& log, const io::Recording& recordin
   if (!holds(log, lead) || !holds(recording, lead))
     return fail(ErrorKind::kBadData,
                 "the simulated log and the recording share neither a gyroscope nor an accelerometer");
-  const Course theirs = course_of(log, lead), ours = course_of(recording, lead);
+  const Course theirs = readings_of(log, lead), ours = course_of(recording, lead);
+  if (theirs.x.rows() <= 2 * kStencilReach)
+    return fail(ErrorKind::kBadData,
+                fmt::format("the simulated log holds {} readings of its {} only", theirs.x.rows(), kSensorName[lead]));
+  if (const std::string why = wrong_unit_of_time(theirs, readings_of(recording, lead)); !why.empty())
+    return fail(ErrorKind::kBadData, why);
   const Course turning = turning_of_reference(recording);
   const bool has_reference = lead == kGyr && turning.x.rows() >= kFewestFrames;
   Clocks clocks = coarse_clocks(theirs, ours);
@@ -284,14 +324,14 @@ Result<AlignedLog> align(const io::Recording& log, const io::Recording& recordin
                             t));
   AlignedLog out;
   out.offset_s = clocks.offset_s, out.drift = clocks.drift;
-  out.outside = outside_of(theirs, ours, clocks);
   for (const Sensor k : {kAcc, kGyr, kMag}) {
     if (!holds(log, k) || !holds(recording, k)) continue;
-    const Course c = course_of(log, k), own = course_of(recording, k);
+    const Course c = readings_of(log, k), own = course_of(recording, k);
     out.reading[k] = at_rows_of(own, c, clocks);
+    out.unread[k] = unread_at_rows_of(own, c, clocks);
     out.noise_sd[k] = noise_of(log, k);
     out.own_noise_sd[k] = noise_of(recording, k);
-    if (const std::string what = difference(k, linear_map(out.reading[k], own.x, out.outside)); !what.empty())
+    if (const std::string what = difference(k, linear_map(out.reading[k], own.x, out.unread[k])); !what.empty())
       return fail(ErrorKind::kBadData, what);
     if (const double noise = out.own_noise_sd[k]; out.noise_sd[k] > 1.3 * noise && noise > 0)
       out.notices.push_back(

@@ -13,7 +13,7 @@ namespace stillpoint::diag {
 /// The log's readings at the recording's rows.
 struct AlignedLog {
   std::array<Series3, kSensors> reading;        ///< empty: not in the log
-  Mask outside;                                 ///< rows before the log begins or after it ends
+  std::array<Mask, kSensors> unread;            ///< rows of which the log says nothing; empty as `reading`
   double offset_s = 0.0;                        ///< what the recording's time is on the log's clock, at its first row
   double drift = 0.0;                           ///< seconds of the log more, a second of the recording
   std::array<double, kSensors> noise_sd{};      ///< of one reading of the log, above all motion
@@ -23,8 +23,8 @@ struct AlignedLog {
   std::vector<std::string> notices;
 };
 
-/// Fails (65) where the two do not overlap, are another motion, part at a time that is told, or differ in units or
-/// axes: the message says which and what to write.
+/// Fails (65) where the two do not overlap, are another motion, part at a time that is told, or differ in units (of
+/// time, too) or axes: the message says which and what to write.
 [[nodiscard]] Result<AlignedLog> align(const io::Recording& log, const io::Recording& recording);
 
 }  // namespace stillpoint::diag

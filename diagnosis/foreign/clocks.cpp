@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "diagnosis/reference/differences.h"
+#include "diagnosis/reference/prediction.h"
 
 namespace stillpoint::diag {
 namespace {
@@ -14,8 +15,9 @@ constexpr double kCoarse_s = 0.05;
 constexpr Eigen::Index kReach = 4;  // rows on either side of a value between rows
 constexpr std::size_t kParts = 10;  // of the recording, each left out once
 constexpr double kSurely = 5.0;     // standard deviations between two clocks
+constexpr double kGapSteps = 4.0;   // of the log in the mean, from one reading to the next
 
-/// The norm at every coarse step, as the mean of the rows there.
+/// The norm at every coarse step, as the mean of the rows there; a straight line where there are none.
 Series coarse_norm(const Course& c) {
   const auto n = static_cast<Eigen::Index>(c.end_s() / kCoarse_s) + 1;
   Series sum = Series::Zero(n), count = Series::Zero(n);
@@ -23,8 +25,7 @@ Series coarse_norm(const Course& c) {
     const auto at = std::min(n - 1, static_cast<Eigen::Index>(c.rows.at(i) / kCoarse_s));
     sum[at] += c.x.row(i).norm(), count[at] += 1.0;
   }
-  for (Eigen::Index i = 0; i < n; ++i) sum[i] = count[i] > 0 ? sum[i] / count[i] : i > 0 ? sum[i - 1] : 0.0;
-  return sum;
+  return filled(n, [&](Eigen::Index i) { return sum[i] / count[i]; });
 }
 
 double correlation(const Eigen::Ref<const Series>& a, const Eigen::Ref<const Series>& b) {
@@ -47,9 +48,12 @@ std::vector<Step> steps_of_parts(const Course& log, const Course& slope, const C
   const Eigen::Index n = recording.x.rows();
   Eigen::MatrixXd map(n, 4);
   map << Series::Ones(n), y;
+  const Mask unread = unread_at_rows_of(recording, log, clocks);
   std::vector<Eigen::Index> inside;
   for (Eigen::Index i = 0; i < n; ++i)
-    if (const double at = clocks.at(recording.rows.at(i)); at > 0.5 && at < log.end_s() - 0.5) inside.push_back(i);
+    if (const double at = clocks.at(recording.rows.at(i));
+        at > 0.5 && at < log.end_s() - 0.5 && !unread[static_cast<std::size_t>(i)])
+      inside.push_back(i);
   if (inside.size() < 50) return {};
   const Eigen::MatrixXd used = map(inside, Eigen::all);
   const Eigen::MatrixXd A = used.colPivHouseholderQr().solve(Eigen::MatrixXd(recording.x(inside, Eigen::all)));
@@ -102,10 +106,31 @@ Clocks coarse_clocks(const Course& log, const Course& recording) {
   return best;
 }
 
+Mask unread_at_rows_of(const Course& recording, const Course& log, const Clocks& clocks) {
+  const Series& read_s = log.rows.t_s;
+  Mask gap_after(static_cast<std::size_t>(read_s.size()), 0);
+  for (Eigen::Index i = 0; i + 1 < read_s.size(); ++i)
+    if (read_s[i + 1] - read_s[i] > kGapSteps * log.rows.step_s) gap_after[static_cast<std::size_t>(i)] = 1;
+  Mask beside(gap_after.size(), 0);
+  mute_beside(gap_after, kStencilReach, beside);
+  Mask out(static_cast<std::size_t>(recording.x.rows()));
+  for (std::size_t i = 0; i < out.size(); ++i) {
+    const double at = clocks.at(recording.rows.at(static_cast<Eigen::Index>(i)));
+    const auto before = std::upper_bound(read_s.begin(), read_s.end(), at) - read_s.begin() - 1;
+    out[i] = before < 0 || at > log.end_s() || beside[static_cast<std::size_t>(before)] ? 1 : 0;
+  }
+  return out;
+}
+
 Series3 at_rows_of(const Course& recording, const Course& log, const Clocks& clocks) {
   Series at(recording.x.rows());
   for (Eigen::Index i = 0; i < at.size(); ++i) at[i] = clocks.at(recording.rows.at(i));
-  return at_times(log.x, log.rows, at, kReach);
+  Series3 out = at_times(log.x, log.rows, at, kReach);
+  const Mask unread = unread_at_rows_of(recording, log, clocks);
+  for (int a = 0; a < 3; ++a)
+    out.col(a) = filled(at.size(),
+                        [&](Eigen::Index i) { return unread[static_cast<std::size_t>(i)] ? io::kMissing : out(i, a); });
+  return out;
 }
 
 void refine_clocks(const Course& log, const Course& recording, Clocks& clocks) {

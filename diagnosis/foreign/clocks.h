@@ -18,7 +18,7 @@ struct Clocks {
 
 struct Course {
   Series3 x;
-  RowTimes rows;
+  RowTimes rows;  ///< stamped
   [[nodiscard]] double end_s() const { return rows.at(x.rows() - 1); }
 };
 
@@ -33,7 +33,11 @@ void refine_clocks(const Course& log, const Course& recording, Clocks& clocks);
 /// the sensors are late, or their clock runs, this is the clock of the motion.
 [[nodiscard]] Clocks clocks_of_reference(const Course& log, const Course& reference, const Clocks& by_readings);
 
-/// The log at the times of the recording's rows; the end values beyond its ends.
+/// Rows of which the log says nothing: before it begins, after it ends, and where it was not read for a few of its
+/// steps, with as many readings beside them as a difference takes in.
+[[nodiscard]] Mask unread_at_rows_of(const Course& recording, const Course& log, const Clocks& clocks);
+
+/// The log at the times of the recording's rows; a straight line where it was not read, the end values beyond its ends.
 [[nodiscard]] Series3 at_rows_of(const Course& recording, const Course& log, const Clocks& clocks);
 
 }  // namespace stillpoint::diag

@@ -8,7 +8,8 @@ namespace stillpoint::diag {
 
 struct LogAnswer {
   Answer answer;
-  io::Recording improved;  ///< the log at the recording's rows with the found physics and numbers in it
+  io::Recording improved;                 ///< the log at the recording's rows with the found physics and numbers in it
+  std::vector<std::string> not_improved;  ///< what was found and is not in it, in words
 };
 
 /// Fails (65) where the two cannot be brought together (alignment.h).

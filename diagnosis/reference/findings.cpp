@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "diagnosis/discovery/law_entry.h"
+#include "diagnosis/discovery/law_words.h"
 #include "diagnosis/finding_effect.h"
 #include "diagnosis/reference/adequacy.h"
 #include "diagnosis/reference/clock_law.h"
@@ -181,6 +182,14 @@ bool within_the_alignment(const Signals& s, const Found& f, const Eigen::VectorX
   return f.id == "sys_skew" && !s.exact_reference && most_late(s, f, numbers) < kCameras_s;
 }
 
+/// An offset that stays to the end is the law of a step.
+Found as_lasting_law(const Signals& s, Found f) {
+  if (f.id != kPlainOffset || !f.window.local || f.window.begin == 0 || f.window.end < s.n) return f;
+  f.id = fmt::format("unknown:step(t, {:.6g})", begin_of_row_s(s, f.window.begin) - 0.5 * s.dt_s);
+  f.window = {};
+  return f;
+}
+
 bool has_no_model(const Finding& f) { return is_unknown(f) || f.effect.ends_with("_drift"); }
 
 }  // namespace
@@ -225,18 +234,20 @@ void report_sensor(const Signals& s, const EngineResult& engine, Sensor sensor,
     const auto first = first_column(stated.search, i), count = static_cast<Eigen::Index>(f.columns.size());
     const Eigen::VectorXd values = stated.finished.values.segment(first, count);
     if (f.kind == Kind::kConfiguration || within_the_alignment(s, f, values)) continue;
+    const Found law = as_lasting_law(s, f);
     // The remainder of an effect already told, here or by the sensor that sees it best, is the same effect.
-    const auto same = [&](const Finding& told) { return told.effect == f.id; };
+    const auto same = [&](const Finding& told) { return told.effect == law.id; };
     if (std::any_of(findings.begin(), findings.end(), same)) continue;
     if (std::any_of(answer.diagnosis.findings.begin(), answer.diagnosis.findings.end(), same)) continue;
     Finding told = finding_from(s, stated.search, i, stated.finished, stated.held_out[i]);
     const bool varies = delay_varies(stated.search, i, stated.finished);
     if (varies) say_as_unknown(told, "unknown:delay(t)", "something that delays the rows, now more, now less");
+    if (law.id != f.id) told.effect = law.id, told.equation = "delta = k " + law_text(law.id), told.driver = "time";
     if (was_moved(f, s.n)) say_as_unknown(told, "unknown:mounting(t)", "the place of the sensor, or of the marker");
     findings.push_back(std::move(told));
     if (varies) continue;
     if (const auto e = to_effect(f, values, s)) effects.push_back(*e);
-    if (const auto e = law_entry(f, sensor, values, stated.finished.sd.segment(first, count))) effects.push_back(*e);
+    if (const auto e = law_entry(law, sensor, values, stated.finished.sd.segment(first, count))) effects.push_back(*e);
     if (f.shape_name == kTrackerShape)
       effects.push_back({.id = "sys_tracker", .parameters = {{"tau_s", {f.shape}}}, .axes = {}, .window_s = {}});
   }

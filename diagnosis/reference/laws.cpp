@@ -255,6 +255,8 @@ class LawList {
       add(
           "mag_current", [&s](double) { return on_each_axis(s.current_A); }, kPerAxis, "uT/A", "delta = k I",
           "current");
+    // What a log's own noise does to its field is another field of the world and a scale that undoes it.
+    if (s.from_log && !s.exact_reference) return;
     set_up(add(
         "field_world", [&s](double) { return world_fixed(s); }, {"d_x", "d_y", "d_z"}, "uT", "delta = R' d",
         "attitude, fixed in the world"));

@@ -38,25 +38,36 @@ void correct(Signals& s, Sensor k, const Mat3& C) {
   if (k == kGyr) apply(s.rate), apply(s.rate_dot);
 }
 
+/// True where the readings of this sensor changed.
+bool settle(Signals& s, const SensorSearch& search) {
+  const Sensor k = search.sensor;
+  const Series3 taken_out = s.residual[k] - search.target.residual;
+  if (search.found.empty() && taken_out.isZero(0.0)) return false;
+  const Fit fit = fit_profile(search.target, search.explained());
+  const Mat3 D = known_part(fit);
+  const Series3 law = taken_out + contribution_of(search.explained(), fit.theta, s.n);
+  if (!D.allFinite() || !is_seen(law * D.transpose(), search.target.layout, fit)) return false;
+  const Mat3 C = undoing(s, k, D);
+  if (is_no_matrix(C)) return false;
+  correct(s, k, C);
+  return true;
+}
+
 }  // namespace
 
 bool settle_matrices(Signals& s, const EngineResult& found) {
   bool any = false;
-  for (const Sensor k : {kAcc, kGyr, kMag}) {
-    if (!found.sensor[k]) continue;
-    const SensorSearch& search = *found.sensor[k];
-    const Series3 taken_out = s.residual[k] - search.target.residual;
-    if (search.found.empty() && taken_out.isZero(0.0)) continue;
-    const Fit fit = fit_profile(search.target, search.explained());
-    const Mat3 D = known_part(fit);
-    const Series3 law = taken_out + contribution_of(search.explained(), fit.theta, s.n);
-    if (!D.allFinite() || !is_seen(law * D.transpose(), search.target.layout, fit)) continue;
-    const Mat3 C = undoing(s, k, D);
-    if (is_no_matrix(C)) continue;
-    correct(s, k, C);
-    any = true;
-  }
+  for (const auto& search : found.sensor) any = (search && settle(s, *search)) || any;
   return any;
+}
+
+void settle_beside_laws(Signals& s, EngineResult& found) {
+  for (auto& search : found.sensor) {
+    if (!search || !search->has_unknown() || vector_is_reading(s, search->sensor)) continue;
+    Series3& residual = search->target.residual;
+    const Series3 taken_out = s.residual[search->sensor] - residual;
+    if (settle(s, *search)) residual = s.residual[search->sensor] - taken_out;
+  }
 }
 
 }  // namespace stillpoint::diag

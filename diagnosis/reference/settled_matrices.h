@@ -11,4 +11,9 @@ namespace stillpoint::diag {
 /// search then has to start anew.
 [[nodiscard]] bool settle_matrices(Signals& s, const EngineResult& found);
 
+/// The same where laws outside the catalogue brought a wrong matrix to light, which no search begins anew for: what
+/// they are fitted to follows the readings, so that their numbers are those before the matrix, too. Not where the
+/// sensor's own reading stands for the truth in the laws.
+void settle_beside_laws(Signals& s, EngineResult& found);
+
 }  // namespace stillpoint::diag

@@ -10,6 +10,7 @@
 #include "diagnosis/reference/response.h"
 #include "diagnosis/reference/rest.h"
 #include "diagnosis/sanity/readings.h"
+#include "simulation/effect_catalogue.h"
 
 namespace stillpoint::diag {
 namespace {
@@ -66,7 +67,7 @@ void read_drivers(Signals& s, const io::Recording& recording) {
     Series x = filled(s.n, [&](Eigen::Index i) { return column[static_cast<std::size_t>(i)] - offset; });
     return x;
   };
-  s.temperature_K = read(recording.temp_degC, kReferenceTemperature_degC);
+  s.temperature_K = read(recording.temp_degC, sim::kReferenceTemp_degC);
   if (s.temperature_K.size()) s.temperature_K = moving_mean(s.temperature_K, static_cast<Eigen::Index>(0.5 / s.dt_s));
   s.current_A = read(recording.current_A, 0.0);
   s.voltage_V = read(recording.supply_V, 0.0);
@@ -109,6 +110,16 @@ void hold_what_keeps_still(Signals& s) {
   if (s.has_position) hold(s.position_m, kStill_m);
 }
 
+/// Another simulator's field is what its log shows through the world's axes.
+Vec3 field_shown(const Signals& s) {
+  const Series3 field = in_world(s, s.predicted[kMag]);
+  Vec3 sum = Vec3::Zero();
+  double rows = 0.0;
+  for (Eigen::Index i = 0; i < s.n; ++i)
+    if (!s.muted[kMag][static_cast<std::size_t>(i)]) sum += field.row(i).transpose(), rows += 1.0;
+  return rows > 0.0 ? Vec3(sum / rows) : s.field_world_uT;
+}
+
 /// Which signal stands for the true vector: a noiseless reference; else the sensor itself, which is quieter than a
 /// differentiated camera, in the band where things move.
 void choose_vectors(Signals& s, const Mask& lost, bool turns_known) {
@@ -142,8 +153,8 @@ void choose_vectors(Signals& s, const Mask& lost, bool turns_known) {
   if (!s.exact_reference && turns_known) {
     // Of the same turns as the world's axes: where the two differ by their noise only, a field of the world that is
     // nothing but that noise would be fitted to it.
-    s.vector[kMag].setZero();
-    for (int a = 0; a < 3; ++a) s.vector[kMag] += s.field_world_uT[a] * s.world_axis[static_cast<std::size_t>(a)];
+    const Vec3 field_uT = s.from_log ? field_shown(s) : s.field_world_uT;
+    s.vector[kMag] = in_body(s, field_uT.transpose().replicate(s.n, 1));
   }
   s.rate = s.vector[kGyr];
   s.rate_dot = derivative(s.rate, s.rows);
@@ -163,8 +174,8 @@ void take_prediction(Signals& s, const AlignedLog& log) {
     if (!s.present[k]) continue;
     s.predicted[k] = log.reading[k];
     s.exact_reference = s.exact_reference && log.noise_sd[k] < kSeenOverNoise * s.noise_sd[k];
-    for (std::size_t i = 0; i < log.outside.size(); ++i)
-      if (log.outside[i]) s.muted[k][i] = 1;
+    for (std::size_t i = 0; i < log.unread[k].size(); ++i)
+      if (log.unread[k][i]) s.muted[k][i] = 1;
   }
 }
 

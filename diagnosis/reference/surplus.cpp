@@ -17,7 +17,6 @@ constexpr double kClearWalkNats = 7.0;    // a walk's rate against none
 constexpr double kHalfNormal95 = 1.92;    // nats below the maximum at the ends of a 95 % interval
 constexpr double kLeastOverNoise = 3e-3;  // of an effect's rms over one sample's noise; less moves nothing
 constexpr Eigen::Index kMostSurplusRows = 16000;  // more are thinned by whole factors
-constexpr double kSameNumbers = 0.1;              // of the size of an effect
 constexpr std::array kWalkShares{0.0, 0.05, 0.1, 0.2, 0.35, 0.5, 0.7, 1.0, 1.4, 2.0, 3.0};
 
 /// What one effect does to each sensor; empty where nothing.
@@ -92,17 +91,6 @@ std::array<double, 3> walk_of_simulation(const SensorSearch& search, const Signa
   }
   for (double& x : q) x = std::sqrt(x);
   return q;
-}
-
-bool same_numbers(const sim::EffectConfig& a, const sim::EffectConfig& b) {
-  if (a.id != b.id) return false;
-  return std::all_of(b.parameters.begin(), b.parameters.end(), [&a](const auto& p) {
-    const auto at = a.parameters.find(p.first);
-    if (at == a.parameters.end() || at->second.size() != p.second.size()) return false;
-    const auto n = static_cast<Eigen::Index>(p.second.size());
-    const Eigen::Map<const Eigen::VectorXd> x(at->second.data(), n), y(p.second.data(), n);
-    return (x - y).norm() < kSameNumbers * x.norm();
-  });
 }
 
 /// The finding that tells this effect anew, as it looks behind an estimator on board; null where there is none.

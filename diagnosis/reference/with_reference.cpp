@@ -13,6 +13,7 @@
 #include "diagnosis/reference/given_effects.h"
 #include "diagnosis/reference/jitter.h"
 #include "diagnosis/reference/lines_in_readings.h"
+#include "diagnosis/reference/settled_matrices.h"
 #include "diagnosis/reference/slow_look.h"
 #include "diagnosis/reference/surplus.h"
 #include "diagnosis/reference/twins.h"
@@ -30,6 +31,10 @@ constexpr const char* kSeenSlowly =
     "{}: looked at in means over {:.1f} s, a row every {:.1f} s: what the reference errs by from row to row hides less "
     "there";
 
+constexpr int kLeastPairs = 200;  // of rows at rest: they tell a deviation to 5 %
+constexpr double kLeastOfStated = 0.75,
+                 kMostOfStated = 1.3;  // as far as parts of one kind differ from their data sheet
+
 /// White noise of a sensor at rest against the configured one: differences of neighbours do not see the reference.
 void compare_noise(const Signals& s, Answer& answer) {
   for (int k = 0; k < kSensors; ++k) {
@@ -44,9 +49,9 @@ void compare_noise(const Signals& s, Answer& answer) {
         sum += 0.5 * d * d;
         ++count;
       }
-      if (count < 200) continue;
+      if (count < kLeastPairs) continue;
       const double measured = std::sqrt(sum / count), ratio = measured / s.noise_sd[k];
-      if (ratio < 0.75 || ratio > 1.3)
+      if (ratio < kLeastOfStated || ratio > kMostOfStated)
         answer.diagnosis.noise.push_back(
             {fmt::format("{}_{}", kSensorName[static_cast<std::size_t>(k)], kAxisName[static_cast<std::size_t>(axis)]),
              s.noise_sd[k], measured});
@@ -133,10 +138,11 @@ Eigen::Index thinning_of(const Signals& s, Eigen::Index merged, double most) {
 }
 
 /// Lets go what twins show as well, and looks outside the catalogue.
-void judge_and_discover(const Signals& s, std::size_t twins, EngineResult& engine, Answer& answer) {
+void judge_and_discover(Signals& s, std::size_t twins, EngineResult& engine, Answer& answer) {
   if (twins > 0)
     for (auto& line : gate_by_twins(s, engine, twins)) answer.diagnosis.notices.push_back(std::move(line));
   discover(s, engine);
+  settle_beside_laws(s, engine);
 }
 
 /// Whoever sees an effect of the whole clock best speaks first.
@@ -147,6 +153,35 @@ std::vector<Sensor> speaking_order(const EngineResult& engine) {
   for (const Sensor k : {kAcc, kGyr, kMag})
     if (std::find(order.begin(), order.end(), k) == order.end()) order.push_back(k);
   return order;
+}
+
+/// What is seen of means over seconds, where the reference hides less from row to row than from second to second.
+struct SlowLook {
+  std::optional<Signals> rows;  ///< nothing: they would show no more
+  EngineResult engine;
+};
+
+SlowLook look_slowly(const Signals& s, const std::vector<std::string>& without, std::size_t twins, Answer& answer) {
+  SlowLook slow{slow_rows(s), {}};
+  if (!slow.rows) return slow;
+  slow.engine = search_all(*slow.rows, without, {});
+  judge_and_discover(*slow.rows, twins, slow.engine, answer);
+  keep_what_is_slow(slow.engine);
+  return slow;
+}
+
+/// Findings but the first `kept` by what they gain, and what is said of the whole.
+void conclude(const Signals& s, std::size_t kept, Diagnosis& d) {
+  std::stable_sort(d.findings.begin() + static_cast<std::ptrdiff_t>(kept), d.findings.end(),
+                   [](const Finding& a, const Finding& b) { return a.held_out.gain_nats > b.held_out.gain_nats; });
+  std::stable_partition(d.findings.begin(), d.findings.end(),
+                        [](const Finding& f) { return !f.effect.ends_with("_quant"); });  // removes nothing: last
+  for (const auto& n : s.notices) d.notices.push_back(n);
+  std::sort(d.ranking.begin(), d.ranking.end(),
+            [](const RankedHypothesis& a, const RankedHypothesis& b) { return a.gain_nats > b.gain_nats; });
+  d.abstention_nats = charge(3, {}) + kLeastNet;
+  d.verdict = verdict_of(d);
+  d.summary = summarise(d);
 }
 
 }  // namespace
@@ -190,36 +225,21 @@ Answer diagnose_with_reference(const ReferencedRows& rows, const sim::Simulation
   EngineResult engine = search_all(s, without, progress);
   if (factor == 1 && find_jitter_beside(engine, s, simulation, answer)) engine = search_all(s, without, progress);
   judge_and_discover(s, twins, engine, answer);
-  std::optional<Signals> slow = slow_rows(s);
-  EngineResult in_slow_rows;
-  if (slow) {
-    in_slow_rows = search_all(*slow, without, {});
-    judge_and_discover(*slow, twins, in_slow_rows, answer);
-  }
-  keep_what_is_slow(in_slow_rows);
+  const SlowLook slow = look_slowly(s, without, twins, answer);
   const std::size_t kept = answer.diagnosis.findings.size();
   for (const Sensor k : speaking_order(engine)) {
     if (!engine.sensor[k]) continue;
-    const bool slowly = slow && is_seen_better(in_slow_rows, engine, k);
+    const bool slowly = slow.rows && is_seen_better(slow.engine, engine, k);
     if (slowly)
-      answer.diagnosis.notices.push_back(fmt::format(kSeenSlowly, kSensorName[k], 3.0 * slow->dt_s, slow->dt_s));
-    report_sensor(slowly ? *slow : s, slowly ? in_slow_rows : engine, k, given, answer);
+      answer.diagnosis.notices.push_back(
+          fmt::format(kSeenSlowly, kSensorName[k], 3.0 * slow.rows->dt_s, slow.rows->dt_s));
+    report_sensor(slowly ? *slow.rows : s, slowly ? slow.engine : engine, k, given, answer);
   }
   for (const Sensor k : {kAcc, kGyr, kMag})
     if (engine.sensor[k]) report_surplus_walk(*engine.sensor[k], s, given, answer);
   keep_what_was_right(simulation.effects, answer);
   leave_to_the_reference(s, answer);
-  std::stable_sort(answer.diagnosis.findings.begin() + static_cast<std::ptrdiff_t>(kept),
-                   answer.diagnosis.findings.end(),
-                   [](const Finding& a, const Finding& b) { return a.held_out.gain_nats > b.held_out.gain_nats; });
-  std::stable_partition(answer.diagnosis.findings.begin(), answer.diagnosis.findings.end(),
-                        [](const Finding& f) { return !f.effect.ends_with("_quant"); });  // removes nothing: last
-  for (const auto& n : s.notices) answer.diagnosis.notices.push_back(n);
-  std::sort(answer.diagnosis.ranking.begin(), answer.diagnosis.ranking.end(),
-            [](const RankedHypothesis& a, const RankedHypothesis& b) { return a.gain_nats > b.gain_nats; });
-  answer.diagnosis.abstention_nats = charge(3, {}) + kLeastNet;
-  answer.diagnosis.verdict = verdict_of(answer.diagnosis);
-  answer.diagnosis.summary = summarise(answer.diagnosis);
+  conclude(s, kept, answer.diagnosis);
   return answer;
 }
 

@@ -50,6 +50,21 @@ TEST(Events, WhatACurrentSwitchesOnIsFoundBetweenItsStates) {
       << answer.diagnosis.summary;
 }
 
+/// An offset that is there to the end has no driver but its moment, and a simulation can have it.
+TEST(Events, AnOffsetThatStaysIsTheLawOfAStep) {
+  const Answer answer = answer_of(
+      test::parsed("rate_hz: 100\naccelerometer: {noise_mps2: 0.02}\ngyroscope: {noise_radps: 0.001}\n"
+                   "magnetometer: {noise_uT: 0.3}\nmotion: {kind: hand, duration_s: 60}\n"
+                   "environment: {temperature: {kind: constant}, current: {kind: off}}\n"
+                   "effects: [{effect: law, sensor: gyr, law: \"step(t, 33.01)\", k: [0.004, -0.003, 0.002]}]"));
+  ASSERT_THAT(test::names(answer), testing::ElementsAre(testing::MatchesRegex("unknown:step\\(t, 33.0[0-9]*\\)")))
+      << answer.diagnosis.summary;
+  ASSERT_EQ(answer.effects.size(), 1U);
+  EXPECT_TRUE(sim::is_law(answer.effects.front()));
+  EXPECT_NEAR(answer.effects.front().parameters.at("k")[0], 0.004, 2e-4);
+  EXPECT_EQ(answer.diagnosis.verdict, Verdict::kExplained) << answer.diagnosis.summary;
+}
+
 /// Stress that relaxes after a part was bolted down: with its time constant, so that a simulation can have it.
 TEST(Events, WhatRelaxesFromTheStartOnIsWrittenAsALaw) {
   const Answer answer = answer_of(

@@ -3,6 +3,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
 #include <random>
 
 #include "diagnosis/foreign/foreign.h"
@@ -89,6 +91,14 @@ TEST(ForeignLog, AsNoisyAsTheRecordingIsNoMismatch) {
   EXPECT_TRUE(d.noise.empty()) << d.summary;
 }
 
+TEST(ForeignLog, HalfAsNoisyAsTheRecordingAndWithoutAReferenceIsNoMismatch) {
+  const auto found = diagnose_log(their_log(0.5), ours("", {}));
+  ASSERT_TRUE(found) << found.error().message;
+  const Diagnosis& d = found->answer.diagnosis;
+  EXPECT_THAT(test::names(found->answer), testing::IsEmpty()) << d.summary;
+  EXPECT_TRUE(d.configuration.empty()) << d.configuration.front().sensor << ": " << d.configuration.front().what;
+}
+
 /// Rows between those in which it was read are filled: they have no noise of their own, and it is not told as less.
 TEST(ForeignLog, ASensorOfEverySecondRowHasItsOwnNoise) {
   io::Recording recording = beside_a_reference("", {});
@@ -118,7 +128,7 @@ TEST(ForeignLog, ClockIsFoundThoughTheLogBeginsLater) {
   ASSERT_TRUE(aligned) << aligned.error().message;
   EXPECT_NEAR(aligned->offset_s, -10.0, 1e-4);
   EXPECT_NEAR(aligned->drift, 0.0, 1e-5);
-  EXPECT_EQ(aligned->outside.front(), 1);
+  EXPECT_EQ(aligned->unread[kGyr].front(), 1);
 }
 
 TEST(ForeignLog, WithTheFoundPhysicsInItLeavesNothingToFind) {
@@ -129,6 +139,124 @@ TEST(ForeignLog, WithTheFoundPhysicsInItLeavesNothingToFind) {
   const auto second = diagnose_log(first->improved, recording);
   ASSERT_TRUE(second) << second.error().message;
   EXPECT_THAT(test::names(second->answer), testing::IsEmpty()) << second->answer.diagnosis.summary;
+}
+
+/// What the log does not say, what was made of it does not say either: the rest is compared again.
+TEST(ForeignLog, ThatBeginsLaterIsComparedAgainWhenImproved) {
+  io::Recording log = their_log();
+  keep_from(log, 830);
+  const io::Recording recording = ours("gyr_gsens", {{"G_radps_per_mps2", {4e-4, 0, 0, 0, -3e-4, 0, 0, 0, 5e-4}}});
+  const auto first = diagnose_log(log, recording);
+  ASSERT_TRUE(first) << first.error().message;
+  EXPECT_FALSE(first->improved.gyr_radps.front().allFinite());
+  const auto second = diagnose_log(first->improved, recording);
+  ASSERT_TRUE(second) << second.error().message;
+  EXPECT_THAT(test::names(second->answer), testing::IsEmpty()) << second->answer.diagnosis.summary;
+}
+
+/// The rows of a log from one second up to another, by their number.
+std::pair<std::size_t, std::size_t> rows_between(const io::Recording& log, double from_s, double to_s) {
+  std::size_t first = 0, last = 0;
+  for (std::size_t i = 0; i < log.size(); ++i) {
+    const double t = log.t_s(i) - log.t_s(0);
+    first += t < from_s ? 1 : 0, last += t < to_s ? 1 : 0;
+  }
+  return {first, last};
+}
+
+/// How many rows from one second up to another the log says nothing of.
+std::ptrdiff_t unread_between(const AlignedLog& aligned, Sensor k, double from_s, double to_s) {
+  const auto [first, last] = rows_between(aligned.reference, from_s, to_s);
+  const auto begin = aligned.unread[k].begin();
+  return std::count(begin + static_cast<std::ptrdiff_t>(first), begin + static_cast<std::ptrdiff_t>(last), 1);
+}
+
+TEST(ForeignLog, WithLostRowsIsComparedInTheOthers) {
+  io::Recording log = their_log();
+  const auto [first, last] = rows_between(log, 30.0, 37.0);
+  const auto lose = [first, last](auto& column) {
+    column.erase(column.begin() + static_cast<std::ptrdiff_t>(first),
+                 column.begin() + static_cast<std::ptrdiff_t>(last));
+  };
+  lose(log.t_ns), lose(log.acc_mps2), lose(log.gyr_radps), lose(log.mag_uT);
+  const io::Recording recording = ours("", {});
+  const auto aligned = align(log, recording);
+  ASSERT_TRUE(aligned) << aligned.error().message;
+  EXPECT_EQ(unread_between(*aligned, kMag, 30.5, 36.5), 6 * 50);
+  EXPECT_EQ(unread_between(*aligned, kMag, 10.0, 29.0), 0);
+  const auto found = diagnose_log(log, recording);
+  ASSERT_TRUE(found) << found.error().message;
+  EXPECT_THAT(test::names(found->answer), testing::IsEmpty()) << found->answer.diagnosis.summary;
+}
+
+TEST(ForeignLog, OfWhichOneSensorPausesIsComparedInTheOthers) {
+  for (const double pause_s : {0.35, 7.0}) {
+    io::Recording log = their_log();
+    const auto [first, last] = rows_between(log, 30.0, 30.0 + pause_s);
+    for (std::size_t i = first; i < last; ++i) log.gyr_radps[i].setConstant(io::kMissing);
+    const auto aligned = align(log, beside_a_reference("", {}));
+    ASSERT_TRUE(aligned) << aligned.error().message;
+    EXPECT_GE(unread_between(*aligned, kGyr, 29.9, 30.1 + pause_s), std::lround(50 * pause_s));
+    EXPECT_EQ(unread_between(*aligned, kAcc, 29.0, 40.0), 0);
+    const auto found = diagnose_log(log, beside_a_reference("", {}));
+    ASSERT_TRUE(found) << found.error().message;
+    EXPECT_THAT(test::names(found->answer), testing::IsEmpty()) << found->answer.diagnosis.summary;
+  }
+}
+
+double largest(const std::vector<Vec3>& column) {
+  double out = 0.0;
+  for (const Vec3& v : column)
+    if (v.allFinite()) out = std::max(out, v.cwiseAbs().maxCoeff());
+  return out;
+}
+
+TEST(ForeignLog, ImprovedReadsWithinTheRailsThatWereFound) {
+  const io::Recording recording = beside_a_reference("gyr_sat", {{"L_radps", {2.5, 2.5, 2.5}}});
+  const auto found = diagnose_log(their_log(), recording);
+  ASSERT_TRUE(found) << found.error().message;
+  ASSERT_THAT(test::names(found->answer), testing::Contains("gyr_sat")) << found->answer.diagnosis.summary;
+  EXPECT_GT(largest(their_log().gyr_radps), 2.6);
+  EXPECT_NEAR(largest(found->improved.gyr_radps), 2.5, 1e-3);
+  EXPECT_THAT(found->not_improved, testing::IsEmpty());
+  const auto again = diagnose_log(found->improved, recording);
+  ASSERT_TRUE(again) << again.error().message;
+  EXPECT_THAT(test::names(again->answer), testing::IsEmpty()) << again->answer.diagnosis.summary;
+}
+
+TEST(ForeignLog, ImprovedRepeatsWhereASlowerMagnetometerDoes) {
+  const io::Recording recording = ours("mag_hold", {{"n", {5}}});
+  const auto found = diagnose_log(their_log(), recording);
+  ASSERT_TRUE(found) << found.error().message;
+  ASSERT_THAT(test::names(found->answer), testing::Contains("mag_hold")) << found->answer.diagnosis.summary;
+  std::size_t repeats = 0, otherwise = 0;
+  for (std::size_t i = 1; i < recording.size(); ++i) {
+    const auto repeated = [i](const io::Recording& r) { return r.mag_uT[i] == r.mag_uT[i - 1]; };
+    ++(repeated(recording) == repeated(found->improved) ? repeats : otherwise);
+  }
+  EXPECT_LT(otherwise, repeats / 100);
+}
+
+TEST(ForeignLog, ImprovedLacksByNameWhatNoNumberPredicts) {
+  const auto found = diagnose_log(their_log(), beside_a_reference("sys_dup", {{"fraction", {0.02}}}));
+  ASSERT_TRUE(found) << found.error().message;
+  ASSERT_THAT(test::names(found->answer), testing::Contains("sys_dup")) << found->answer.diagnosis.summary;
+  EXPECT_THAT(found->not_improved, testing::Contains(testing::StartsWith("sys_dup is not in the improved log")));
+}
+
+TEST(ForeignLog, InAnotherUnitOfTimeIsNamedAtOnce) {
+  for (const double times : {1e6, 1e3, 1e-3, 1e-6}) {
+    io::Recording log = their_log();
+    for (auto& t : log.t_ns) t = std::llround(static_cast<double>(t) * times);
+    EXPECT_THAT(refusal(log), testing::HasSubstr("likely in another unit")) << times;
+  }
+}
+
+TEST(ForeignLog, WithANegatedAccelerometerIsNamed) {
+  io::Recording log = their_log();
+  for (Vec3& f : log.acc_mps2) f = -f;
+  EXPECT_THAT(refusal(log),
+              testing::AllOf(testing::HasSubstr("accelerometer negated"), testing::HasSubstr("multiply by -1")));
 }
 
 TEST(ForeignLog, InDegreesIsNamed) {

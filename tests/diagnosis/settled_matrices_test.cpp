@@ -5,8 +5,11 @@
 #include <cmath>
 #include <random>
 
+#include "diagnosis/discovery/law_delta.h"
 #include "diagnosis/reference/apparatus.h"
 #include "diagnosis/reference/engine.h"
+#include "diagnosis/reference/evidence.h"
+#include "diagnosis/reference/settled_matrices.h"
 #include "tests/diagnosis/simulated.h"
 
 namespace stillpoint::diag::test {
@@ -81,6 +84,31 @@ TEST(SettledMatrices, ALatenessBesideALeverIsOfAllSensors) {
   const Answer answer = against_ideal(
       uncalibrated({entry("sys_offset", {{"tau_s", {0.004}}}), entry("acc_lever", {{"r_m", {0.3, -0.2, 0.25}}})}, 4));
   EXPECT_THAT(names(answer), UnorderedElementsAre("sys_offset", "acc_lever"));
+}
+
+/// y = 0.95 (f + k play): a matrix that nothing shows of before the law is found is the law's own as well.
+TEST(SettledMatrices, ALawOutsideTheCatalogueIsThatBeforeTheMatrix) {
+  constexpr double kTrue = 0.05 / 0.95;
+  const auto config = baseline("exact", 60.0);
+  auto signals = make_signals(record(config, "", {}, 8), config, {});
+  ASSERT_TRUE(signals);
+  Signals& s = *signals;
+  sim::EffectConfig law = entry("law:play(f, 1)", {{"k", {1, 1, 1}}});
+  law.sensors = {sim::Sensor::kAcc};
+  const Series3 play = *law_delta(s, kAcc, law), noise = s.residual[kAcc];
+  s.reading[kAcc] = 0.95 * (s.predicted[kAcc] + kTrue * play) + noise;
+  s.residual[kAcc] = s.reading[kAcc] - s.predicted[kAcc];
+  EngineResult engine;
+  engine.sensor[kAcc] = start_search(s, kAcc);
+  Found found;
+  found.id = "unknown:play(f, 1)", found.kind = Kind::kUnknown;
+  for (int axis = 0; axis < 3; ++axis) found.columns.push_back({axis, play.col(axis)});
+  engine.sensor[kAcc]->found = {found};
+  EXPECT_NEAR(finish(*engine.sensor[kAcc]).values[0], 0.95 * kTrue, 3e-4) << "seen through the matrix";
+  settle_beside_laws(s, engine);
+  const Finished finished = finish(*engine.sensor[kAcc]);
+  for (Eigen::Index axis = 0; axis < 3; ++axis) EXPECT_NEAR(finished.values[axis], kTrue, 3e-4);
+  EXPECT_NEAR(s.triad[kAcc].matrix(0, 0), 1.0 / 0.95, 1e-3);
 }
 
 /// A line is found first, beside a step seven times as large, and its frequency may be five deviations off by that;

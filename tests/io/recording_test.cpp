@@ -122,6 +122,10 @@ TEST(Recording, KeepsUserColumnsByNameAndTakesTextThereForNotMeasured) {
   EXPECT_THAT(r->user_columns.at("rpm_hz"), ::testing::ElementsAre(50.0, 70.0));
   EXPECT_TRUE(std::isnan(r->user_columns.at("note")[0]));
   EXPECT_THAT(r->issues.unknown_columns, ::testing::ElementsAre("rpm_hz", "note", "rpm_hz"));
+  EXPECT_THAT(describe(r->issues),
+              ::testing::ElementsAre("column 'rpm_hz' is not known, its numbers are kept under this name",
+                                     "column 'note' is not known, its numbers are kept under this name",
+                                     "column 'rpm_hz' is not known, set aside"));
 }
 
 TEST(Recording, NamesWhyAHeaderIsNotOne) {

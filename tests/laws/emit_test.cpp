@@ -128,6 +128,14 @@ class Emit : public testing::Test {
   fs::path folder_;
 };
 
+/// A law that was found beside a wrong matrix is another number without it.
+TEST_F(Emit, TheCommentSaysWhatTheLawWasFoundBeside) {
+  Coupled law = laws().front();
+  law.beside = {"it reads M (truth + this) + b", "M = [[0.95, 0, 0]]"};
+  for (const Language l : {Language::kPython, Language::kCpp, Language::kMatlab})
+    for (const std::string& line : law.beside) EXPECT_NE(emit(law, "law_1", l).find(line), std::string::npos) << line;
+}
+
 TEST_F(Emit, PythonGivesTheSame) {
   if (!there("python3")) GTEST_SKIP() << "LOUD: SKIPPED: no python3 here";
   std::string main =
