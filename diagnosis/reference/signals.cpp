@@ -153,7 +153,7 @@ void choose_vectors(Signals& s, const Mask& lost, bool turns_known) {
   if (!s.exact_reference && turns_known) {
     // Of the same turns as the world's axes: where the two differ by their noise only, a field of the world that is
     // nothing but that noise would be fitted to it.
-    const Vec3 field_uT = s.from_log ? field_shown(s) : s.field_world_uT;
+    const Vec3 field_uT = s.from_log && s.present[kMag] ? field_shown(s) : s.field_world_uT;
     s.vector[kMag] = in_body(s, field_uT.transpose().replicate(s.n, 1));
   }
   s.rate = s.vector[kGyr];
