@@ -29,6 +29,7 @@ void read_written_effect(const YAML::Node& entry, sim::EffectConfig& out, YamlFa
 /// Text that reads back to an equal configuration. Defaults are left out of the optional blocks.
 [[nodiscard]] std::string format_simulation(const sim::SimulationConfig& config);
 [[nodiscard]] std::string format_effect(const sim::EffectConfig& effect);  ///< one line, flow style
+[[nodiscard]] std::string format_numbers(const sim::TriadConfig& triad);   ///< bias and matrix of such a line
 [[nodiscard]] Result<void> write_simulation(const sim::SimulationConfig& config, const std::string& path);
 
 }  // namespace stillpoint::io

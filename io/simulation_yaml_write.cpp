@@ -55,8 +55,7 @@ std::string emit(const P& value) {
 }
 
 std::string format_triad(const TriadConfig& t, const std::string& unit) {
-  std::string out =
-      fmt::format("{{bias: {}, matrix: {}, noise_{}: {}", list(t.bias), matrix(t.matrix), unit, number(t.noise_sd));
+  std::string out = fmt::format("{{{}, noise_{}: {}", format_numbers(t), unit, number(t.noise_sd));
   if (t.noise_axes != Vec3::Ones()) out += ", noise_axes: " + list(t.noise_axes);
   const auto add = [&out](const std::string& key, double value) {
     if (value != 0.0) out += fmt::format(", {}: {}", key, number(value));
@@ -69,6 +68,10 @@ std::string format_triad(const TriadConfig& t, const std::string& unit) {
 }
 
 }  // namespace
+
+std::string format_numbers(const TriadConfig& t) {
+  return fmt::format("bias: {}, matrix: {}", list(t.bias), matrix(t.matrix));
+}
 
 std::string format_effect(const EffectConfig& e) {
   if (sim::is_law(e) || sim::is_table(e)) return format_written_effect(e);

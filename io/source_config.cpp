@@ -43,20 +43,12 @@ void check_column(const YAML::Node& where, const std::string& name, const Stream
       faults.add(where, fmt::format("'{}' needs '{}': what one count is", name, c.key));
 }
 
-/// A text that is a number is a position; nothing: a name.
-std::optional<double> position_of(const std::string& theirs) {
+/// Then it is meant for a position.
+bool is_number(const std::string& theirs) {
   double value = 0.0;
   const char* end = theirs.data() + theirs.size();
   const auto [stop, code] = std::from_chars(theirs.data(), end, value);
-  return code != std::errc::invalid_argument && stop == end ? std::optional(value) : std::nullopt;
-}
-
-/// Whole, and written as such.
-bool is_position(const std::string& theirs) {
-  std::size_t value = 0;
-  const char* end = theirs.data() + theirs.size();
-  const auto [stop, code] = std::from_chars(theirs.data(), end, value);
-  return code == std::errc{} && stop == end && value >= 1 && value <= kMostColumns;
+  return code != std::errc::invalid_argument && stop == end;
 }
 
 /// Where each is taken from: one place for each, all by name or all by position.
@@ -66,8 +58,8 @@ void check_places(const ColumnMap& columns, const YAML::Node& node, YamlFaults& 
   std::size_t positions = 0;
   for (const auto& [ours, theirs] : columns) {
     const YAML::Node where = node.IsMap() ? node[ours] : node;
-    positions += position_of(theirs) ? 1 : 0;
-    if (position_of(theirs) && !is_position(theirs))
+    positions += is_number(theirs) ? 1 : 0;
+    if (is_number(theirs) && !column_position(theirs))
       faults.add(where, fmt::format("'{}' is at position {}; positions are whole numbers from 1 to {}", ours, theirs,
                                     kMostColumns));
     if (const auto [other, first] = by_theirs.emplace(theirs, ours); !first)
@@ -96,6 +88,14 @@ void check_ros2(const Ros2Params& ros2, const YAML::Node& node, YamlFaults& faul
 }
 
 }  // namespace
+
+std::optional<std::size_t> column_position(const std::string& theirs) {
+  std::size_t value = 0;
+  const char* end = theirs.data() + theirs.size();
+  const auto [stop, code] = std::from_chars(theirs.data(), end, value);
+  const bool is_one = code == std::errc{} && stop == end && value >= 1 && value <= kMostColumns;
+  return is_one ? std::optional(value) : std::nullopt;
+}
 
 bool is_path(const std::string& from) {
   return !from.empty() && from != "stdin" && from.find("://") == std::string::npos;

@@ -21,6 +21,8 @@ inline constexpr std::size_t kMostColumns = 64;
 
 /// Our column name with its unit, and where it is found: a name of the stream, or a position counted from 1.
 using ColumnMap = std::vector<std::pair<std::string, std::string>>;
+/// The position that such a text is, from 1 to kMostColumns; nothing: a name, or no position that there can be.
+[[nodiscard]] std::optional<std::size_t> column_position(const std::string& theirs);
 
 struct StreamParams {
   std::string from;

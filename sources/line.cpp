@@ -73,13 +73,6 @@ Piece to_reading(const Row& row, Reading& out) noexcept {
   return Piece::kReading;
 }
 
-std::optional<std::size_t> position(const std::string& text) {
-  std::size_t value = 0;
-  const auto [stop, code] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (code != std::errc{} || stop != text.data() + text.size() || value == 0 || value > io::kMostColumns) return {};
-  return value - 1;
-}
-
 }  // namespace
 
 LineFormat::LineFormat(const io::StreamParams& params)
@@ -87,9 +80,9 @@ LineFormat::LineFormat(const io::StreamParams& params)
   for (const auto& [ours, theirs] : params.columns) {
     const auto field = known_field(ours);
     if (!field) continue;
-    if (const auto at = position(theirs)) {
-      if (by_position_.size() <= *at) by_position_.resize(*at + 1);
-      by_position_[*at] = field;
+    if (const auto at = io::column_position(theirs)) {
+      if (by_position_.size() < *at) by_position_.resize(*at);
+      by_position_[*at - 1] = field;
       configured_positions_ = true;
     } else {
       by_name_.emplace_back(theirs, *field);

@@ -2,7 +2,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <cstdio>
 #include <functional>
 
@@ -16,6 +15,7 @@
 #include "apps/stillpoint/simulated_log.h"
 #include "diagnosis/diagnose.h"
 #include "diagnosis/foreign/foreign.h"
+#include "diagnosis/forensics/forensics.h"
 #include "diagnosis/heap.h"
 #include "diagnosis/improved.h"
 #include "diagnosis/report/report.h"
@@ -41,16 +41,10 @@ struct Options {
 
 /// Bias and matrix that were set right, as the effects were found beside them.
 std::string numbers_to_paste(const diag::Answer& answer) {
-  static constexpr std::array kName{"accelerometer", "gyroscope", "magnetometer"};
   std::string out;
-  for (std::size_t k = 0; k < kName.size(); ++k) {
-    if (!answer.numbers[k]) continue;
-    const Vec3& b = answer.numbers[k]->bias;
-    const Mat3& H = answer.numbers[k]->matrix;
-    out +=
-        fmt::format("{}: {{bias: [{}, {}, {}], matrix: [[{}, {}, {}], [{}, {}, {}], [{}, {}, {}]]}}\n", kName[k], b.x(),
-                    b.y(), b.z(), H(0, 0), H(0, 1), H(0, 2), H(1, 0), H(1, 1), H(1, 2), H(2, 0), H(2, 1), H(2, 2));
-  }
+  for (std::size_t k = 0; k < diag::kSensorWord.size(); ++k)
+    if (const auto& numbers = answer.numbers[k])
+      out += fmt::format("{}: {{{}}}\n", diag::kSensorWord[k], io::format_numbers(*numbers));
   return out;
 }
 

@@ -13,7 +13,7 @@ class RateMeter {
   /// `samples` so far. A look so soon after the last that a batch of them would count as a rate repeats what was said.
   double look(std::uint64_t samples, std::int64_t now_ns) {
     if (now_ns - since_ns_ < kShortest_ns) return rate_hz_;
-    rate_hz_ = static_cast<double>(samples - samples_) / (in_seconds(now_ns - since_ns_));
+    rate_hz_ = static_cast<double>(samples - samples_) / in_seconds(now_ns - since_ns_);
     samples_ = samples;
     since_ns_ = now_ns;
     return rate_hz_;

@@ -2,8 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <Eigen/Eigenvalues>
-#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 #include <iterator>
@@ -13,8 +11,8 @@
 #include "core/directions.h"
 #include "core/median.h"
 #include "core/so3.h"
-#include "core/units.h"
 #include "diagnosis/foreign/clocks.h"
+#include "diagnosis/foreign/linear_map.h"
 #include "diagnosis/sanity/comparison.h"
 #include "diagnosis/sanity/rows.h"
 
@@ -29,11 +27,8 @@ constexpr double kDrift = 2e-3;                         // of two clocks; beyond
 constexpr double kParted = 0.5;                         // of the block's own scatter left over by the best linear map
 constexpr double kStill = 4.0;                          // times the noise: no motion
 constexpr double kBlock_s = 2.0;
-constexpr double kSameAxes_rad = 0.35;
-constexpr double kUnseen = 1e-3;        // of the power of all axes: one that moves less says nothing of units or axes
 constexpr double kLongestStep_s = 0.1;  // between two frames of a reference that say how it turned
 constexpr Eigen::Index kFewestFrames = 200;
-constexpr std::array<const char*, kSensors> kSensorWord{"accelerometer", "gyroscope", "magnetometer"};
 
 const std::vector<Vec3>& column(const io::Recording& r, Sensor k) {
   return k == kAcc ? r.acc_mps2 : k == kGyr ? r.gyr_radps : r.mag_uT;
@@ -70,8 +65,7 @@ std::string wrong_unit_of_time(const Course& log, const Course& recording) {
   if (of_a_motion(log) && of_a_motion(recording) && times < kMostAsLong && times > 1.0 / kMostAsLong) return {};
   return fmt::format(
       "the simulated log is of {:.4g} s at {:.4g} Hz, the recording of {:.4g} s at {:.4g} Hz: the time column of one "
-      "is "
-      "likely in another unit (s, ms, us or ns) than it is taken for; for the log write time: {{column: ..., unit: "
+      "is likely in another unit (s, ms, us or ns) than it is taken for; for the log write time: {{column: ..., unit: "
       "...}} into --map",
       log.end_s(), 1.0 / log.rows.step_s, recording.end_s(), 1.0 / recording.rows.step_s);
 }
@@ -119,102 +113,6 @@ Course turning_of_reference(const io::Recording& r) {
   return {filled3(rate), {r.median_step_s(), Eigen::Map<const Series>(at.data(), n)}};
 }
 
-/// y ~ offset + A x over the rows inside.
-struct Map {
-  Mat3 A = Mat3::Identity();
-  Series3 left;
-  Mat3 scatter = Mat3::Identity();  ///< of x
-};
-
-Map linear_map(const Series3& x, const Series3& y, const Mask& outside) {
-  const Eigen::Index n = x.rows();
-  Eigen::MatrixXd design = Eigen::MatrixXd::Zero(n, 4), rhs = Eigen::MatrixXd::Zero(n, 3);
-  for (Eigen::Index i = 0; i < n; ++i)
-    if (!outside[static_cast<std::size_t>(i)]) design.row(i) << 1.0, x.row(i), rhs.row(i) = y.row(i);
-  const Eigen::MatrixXd c = design.colPivHouseholderQr().solve(rhs);
-  const auto rows = design.rightCols(3);
-  const Eigen::RowVector3d sum = rows.colwise().sum();
-  const Mat3 scatter = rows.transpose() * rows - sum.transpose() * sum / std::max(design.col(0).sum(), 1.0);
-  return {Mat3(c.bottomRows(3).transpose()), (y - x * c.bottomRows(3)).rowwise() - c.row(0), scatter};
-}
-
-/// The map of the rows that it fits best for how much they move: half of them, so that a part of another motion does
-/// not bend it, nor a rest, which says nothing of it.
-Map map_of_the_better_half(const Series3& x, const Series3& y, const Mask& outside) {
-  constexpr Eigen::Index kAround = 50;
-  Series3 moves = y;
-  for (Eigen::Index c = 0; c < 3; ++c) moves.col(c) -= moving_mean(y.col(c), kAround);
-  const Series moved = moving_mean(moves.rowwise().squaredNorm(), kAround).array() + 1e-300;
-  Map map = linear_map(x, y, outside);
-  for (int round = 0; round < 5; ++round) {
-    const Series left = moving_mean(map.left.rowwise().squaredNorm(), kAround).array() / moved.array();
-    const double middle = quantile(left, 0.5);
-    Mask worse = outside;
-    for (std::size_t i = 0; i < worse.size(); ++i) worse[i] = worse[i] || left[static_cast<Eigen::Index>(i)] > middle;
-    map = linear_map(x, y, worse);
-  }
-  return map;
-}
-
-/// What a factor between two logs of one quantity is known as; empty: none.
-std::string unit_of_factor(Sensor k, double factor) {
-  struct Known {
-    Sensor sensor;
-    double factor;
-    const char* words;
-  };
-  static const std::vector<Known> all{{kGyr, kDegPerRad, "deg/s (name its columns gyr_x_dps, ...)"},
-                                      {kAcc, 1.0 / kStandardGravity_mps2, "g (name its columns acc_x_g, ...)"},
-                                      {kAcc, 101.97, "mg (divide by 1000 and name its columns acc_x_g, ...)"},
-                                      {kMag, 0.01, "gauss (name its columns mag_x_gauss, ...)"},
-                                      {kMag, 10.0, "milligauss (divide by 10)"},
-                                      {kMag, 1e3, "nT (divide by 1000)"},
-                                      {kMag, 1e-6, "tesla (name its columns mag_x_T, ...)"}};
-  for (const Known& u : all)
-    if (u.sensor == k && std::abs(std::log(factor / u.factor)) < 0.25) return u.words;
-  return {};
-}
-
-/// "+y -x +z": the recording's axes in terms of the log's, where they are nearly a permutation.
-std::string axes_of(const Mat3& R) {
-  std::string out;
-  for (int i = 0; i < 3; ++i) {
-    Eigen::Index j = 0;
-    if (R.row(i).cwiseAbs().maxCoeff(&j) < 0.8) return {};
-    out += fmt::format("{}{}{}", i == 0 ? "" : " ", R(i, j) > 0 ? '+' : '-', "xyz"[j]);
-  }
-  return out;
-}
-
-/// Whether the two mean the same by a number: units first, then axes, both by what moves. Empty where they do.
-std::string difference(Sensor k, const Map& map) {
-  const Mat3& C = map.scatter;
-  const double factor = std::sqrt((map.A * C * map.A.transpose()).trace() / std::max(C.trace(), 1e-300));
-  const Mat3 unseen = Mat3::Identity() * (kUnseen * C.trace());
-  const Mat3 A = (map.A * C + factor * unseen) * (C + unseen).inverse();
-  if (factor < 0.67 || factor > 1.5) {
-    const std::string unit = unit_of_factor(k, 1.0 / factor);
-    return fmt::format("the {} of the simulated log is {:.4g} times that of the recording{}", kSensorName[k],
-                       1.0 / factor,
-                       unit.empty() ? "; give both in the units of docs/formats.md" : ": it looks like " + unit);
-  }
-  const Mat3 R = A * Eigen::SelfAdjointEigenSolver<Mat3>(A.transpose() * A).operatorInverseSqrt();  // of A = R S
-  const std::string axes = axes_of(R);
-  if (axes == "-x -y -z")
-    return fmt::format(
-        "{} negated{}; multiply by -1", kSensorWord[k],
-        k == kAcc ? ": at rest the simulated log reads -g, the recording +g, or the other way round" : "");
-  if (R.determinant() < 0.0)
-    return fmt::format("the {} of the simulated log has other axes (mirrored{}): one of the two is left-handed",
-                       kSensorName[k], axes.empty() ? "" : ": the recording's x, y, z are its " + axes);
-  const double angle = log_so3(R).norm();
-  if (angle < kSameAxes_rad) return {};
-  return fmt::format(
-      "the {} of the simulated log has other axes, turned by {:.0f} deg{}", kSensorName[k], angle * kDegPerRad,
-      axes.empty() ? "; turn it into the sensor's frame"
-                   : fmt::format(": the recording's x, y, z are its {0}; import it with mount: \"{0}\"", axes));
-}
-
 /// Where the motions part for good: the time of the first block after which hardly any agrees. Negative: nowhere. Where
 /// both rest there is nothing but noise to agree on.
 double parts_at_s(const Course& motion, const Course& log, const Clocks& clocks) {
@@ -222,7 +120,7 @@ double parts_at_s(const Course& motion, const Course& log, const Clocks& clocks)
   const double noise = std::hypot(quiet_noise(motion.x, motion.rows.step_s), quiet_noise(log.x, log.rows.step_s));
   const double still = kStill * noise * std::sqrt(3.0 * static_cast<double>(block));
   const Mask outside = unread_at_rows_of(motion, log, clocks);
-  const Map map = map_of_the_better_half(at_rows_of(motion, log, clocks), motion.x, outside);
+  const LinearMap map = map_of_the_better_half(at_rows_of(motion, log, clocks, outside), motion.x, outside);
   std::vector<std::pair<double, bool>> agreed;
   for (Eigen::Index b = 0; b + block <= motion.x.rows(); b += block) {
     if (std::any_of(outside.begin() + b, outside.begin() + b + block, [](auto o) { return o != 0; })) continue;
@@ -327,8 +225,8 @@ Result<AlignedLog> align(const io::Recording& log, const io::Recording& recordin
   for (const Sensor k : {kAcc, kGyr, kMag}) {
     if (!holds(log, k) || !holds(recording, k)) continue;
     const Course c = readings_of(log, k), own = course_of(recording, k);
-    out.reading[k] = at_rows_of(own, c, clocks);
     out.unread[k] = unread_at_rows_of(own, c, clocks);
+    out.reading[k] = at_rows_of(own, c, clocks, out.unread[k]);
     out.noise_sd[k] = noise_of(log, k);
     out.own_noise_sd[k] = noise_of(recording, k);
     if (const std::string what = difference(k, linear_map(out.reading[k], own.x, out.unread[k])); !what.empty())

@@ -44,11 +44,11 @@ struct Step {
 /// Of each part of the recording, beside one linear map of the log; nothing where they hardly overlap.
 std::vector<Step> steps_of_parts(const Course& log, const Course& slope, const Course& recording,
                                  const Clocks& clocks) {
-  const Series3 y = at_rows_of(recording, log, clocks), d = at_rows_of(recording, slope, clocks);
+  const Mask unread = unread_at_rows_of(recording, log, clocks);
+  const Series3 y = at_rows_of(recording, log, clocks, unread), d = at_rows_of(recording, slope, clocks, unread);
   const Eigen::Index n = recording.x.rows();
   Eigen::MatrixXd map(n, 4);
   map << Series::Ones(n), y;
-  const Mask unread = unread_at_rows_of(recording, log, clocks);
   std::vector<Eigen::Index> inside;
   for (Eigen::Index i = 0; i < n; ++i)
     if (const double at = clocks.at(recording.rows.at(i));
@@ -122,11 +122,10 @@ Mask unread_at_rows_of(const Course& recording, const Course& log, const Clocks&
   return out;
 }
 
-Series3 at_rows_of(const Course& recording, const Course& log, const Clocks& clocks) {
+Series3 at_rows_of(const Course& recording, const Course& log, const Clocks& clocks, const Mask& unread) {
   Series at(recording.x.rows());
   for (Eigen::Index i = 0; i < at.size(); ++i) at[i] = clocks.at(recording.rows.at(i));
   Series3 out = at_times(log.x, log.rows, at, kReach);
-  const Mask unread = unread_at_rows_of(recording, log, clocks);
   for (int a = 0; a < 3; ++a)
     out.col(a) = filled(at.size(),
                         [&](Eigen::Index i) { return unread[static_cast<std::size_t>(i)] ? io::kMissing : out(i, a); });

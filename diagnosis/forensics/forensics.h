@@ -16,6 +16,7 @@ namespace stillpoint::diag {
 /// Index of a triad in arrays over the sensors.
 enum Sensor : int { kAcc = 0, kGyr = 1, kMag = 2 };
 inline constexpr std::array<const char*, 3> kSensorName{"acc", "gyr", "mag"};
+inline constexpr std::array<const char*, 3> kSensorWord{"accelerometer", "gyroscope", "magnetometer"};  ///< keys, too
 inline constexpr std::array<const char*, 3> kSensorUnit{"m/s^2", "rad/s", "uT"};
 
 /// What was found in one triad, for those who work with its samples afterwards.

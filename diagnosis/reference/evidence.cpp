@@ -8,7 +8,7 @@
 namespace stillpoint::diag {
 namespace {
 
-constexpr int kLags = 20;
+constexpr int kWhitenessLags = 20;
 constexpr double kChiSquare20_999 = 45.31;
 
 /// What deviations lack because the colour of the noise was estimated from what the same fit left over. An
@@ -139,9 +139,9 @@ double chi_square_tail(double x, double k) {
 bool is_white(const Series& x, const Layout& layout) {
   const Eigen::ArrayXd v = x.array() * layout.counts;
   const double n = layout.used(), power = v.square().sum();
-  if (n < 10.0 * kLags || power <= 0) return true;
+  if (n < 10.0 * kWhitenessLags || power <= 0) return true;
   double q = 0.0;
-  for (int lag = 1; lag <= kLags; ++lag) {
+  for (int lag = 1; lag <= kWhitenessLags; ++lag) {
     const double rho = (v.head(v.size() - lag) * v.tail(v.size() - lag)).sum() / power;
     q += rho * rho / (n - lag);
   }

@@ -185,5 +185,19 @@ TEST(AttitudeField, ACalibrationThatKnowsTheOffsetBetterTakesOverAndOneThatDoesN
   EXPECT_LT(heading_after(0.1, 1.3), 2.0);
 }
 
+/// However long it lies there: the place's deviation is one.
+TEST(AttitudeField, WhatLiesStillIsToldOfOneDeviationOfThePlace) {
+  RandomMotion motion({}, 4);
+  AttitudeFilter filter;
+  const auto lies_for = [&](int samples) {
+    AttitudeEstimate e;
+    for (int i = 0; i < samples; ++i) e = filter.step(motion.next(true), true);
+    return e.sigma_yaw_rad;
+  };
+  const double early = lies_for(30 * 100), late = lies_for(300 * 100);
+  EXPECT_LE(late, early);
+  EXPECT_GT(late, 0.85 * early);
+}
+
 }  // namespace
 }  // namespace stillpoint::fusion

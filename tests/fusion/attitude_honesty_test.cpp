@@ -115,20 +115,6 @@ TEST(AttitudeHonesty, AnOffsetOfTheAccelerometerFarOutsideOfItsPriorIsNotKeptAsK
   EXPECT_GT(coverage.share(), 0.98);
 }
 
-/// However long it lies there: the place's deviation is one.
-TEST(AttitudeHonesty, WhatLiesStillIsToldOfOneDeviationOfThePlace) {
-  RandomMotion motion({}, 4);
-  AttitudeFilter filter;
-  const auto lies_for = [&](int samples) {
-    AttitudeEstimate e;
-    for (int i = 0; i < samples; ++i) e = filter.step(motion.next(true), true);
-    return e.sigma_yaw_rad;
-  };
-  const double early = lies_for(30 * 100), late = lies_for(300 * 100);
-  EXPECT_LE(late, early);
-  EXPECT_GT(late, 0.85 * early);
-}
-
 TEST(AttitudeHonesty, AfterALongPauseItIsDegradedUntilTheTiltIsKnownAgain) {
   RandomMotion motion({}, 3);
   AttitudeFilter filter;

@@ -122,10 +122,7 @@ bool closes_within_10_s(Endpoint& endpoint) {
 
 TEST(Endpoint, APeerThatVanishesWithoutAWordIsNoticed) {
   const std::uint16_t port = test::free_port();
-  sockaddr_in there{};
-  there.sin_family = AF_INET;
-  there.sin_port = htons(port);
-  there.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+  sockaddr_in there = test::on_loopback(port);
   std::array<std::uint8_t, 16> room{};
   std::size_t bytes = 0;
   {
@@ -138,7 +135,7 @@ TEST(Endpoint, APeerThatVanishesWithoutAWordIsNoticed) {
     EXPECT_TRUE(closes_within_10_s(client));
   }
   const std::uint16_t other_port = test::free_port();
-  there.sin_port = htons(other_port);
+  there = test::on_loopback(other_port);
   Endpoint server = endpoint("tcp-listen://:" + std::to_string(other_port));
   ASSERT_TRUE(server.open());
   const int sensor = socket(AF_INET, SOCK_STREAM, 0);

@@ -26,12 +26,18 @@ bool eventually_sample(S& source, pipeline::Arrival& out, double seconds = 10.0)
   return eventually_state(source, out, pipeline::SourceState::kSample, seconds);
 }
 
+inline sockaddr_in on_loopback(std::uint16_t port) {
+  sockaddr_in at{};
+  at.sin_family = AF_INET;
+  at.sin_port = htons(port);
+  at.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+  return at;
+}
+
 /// A port of the loopback that nobody had a moment ago.
 inline std::uint16_t free_port() {
   const int fd = socket(AF_INET, SOCK_STREAM, 0);
-  sockaddr_in any{};
-  any.sin_family = AF_INET;
-  any.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+  sockaddr_in any = on_loopback(0);
   socklen_t size = sizeof any;
   const bool bound = bind(fd, reinterpret_cast<sockaddr*>(&any), size) == 0 &&
                      getsockname(fd, reinterpret_cast<sockaddr*>(&any), &size) == 0;

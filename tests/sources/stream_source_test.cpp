@@ -132,17 +132,14 @@ TEST(StreamSource, AFileEnds) {
 
 TEST(StreamSource, UdpTakesADatagramForALineAndTcpForAStream) {
   const std::uint16_t port = test::free_port();
-  sockaddr_in to{};
-  to.sin_family = AF_INET;
-  to.sin_port = htons(port);
-  to.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+  const sockaddr_in to = test::on_loopback(port);
   Arrival out;
 
   StreamSource datagrams = source(from("udp://:" + std::to_string(port)));
   EXPECT_EQ(datagrams.next(out), SourceState::kNothing);
   const int udp = socket(AF_INET, SOCK_DGRAM, 0);
   const std::string line = R"({"time_ms":5,"acc_g":[0,0,1]})";
-  ASSERT_GT(sendto(udp, line.data(), line.size(), 0, reinterpret_cast<sockaddr*>(&to), sizeof to), 0);
+  ASSERT_GT(sendto(udp, line.data(), line.size(), 0, reinterpret_cast<const sockaddr*>(&to), sizeof to), 0);
   ASSERT_TRUE(eventually_sample(datagrams, out));
   EXPECT_EQ(out.sample.t_ns, 5'000'000);
   close(udp);
@@ -151,7 +148,7 @@ TEST(StreamSource, UdpTakesADatagramForALineAndTcpForAStream) {
   EXPECT_EQ(server.next(out), SourceState::kNothing);
   for (int peer = 0; peer < 2; ++peer) {
     const int tcp = socket(AF_INET, SOCK_STREAM, 0);
-    ASSERT_EQ(connect(tcp, reinterpret_cast<sockaddr*>(&to), sizeof to), 0);
+    ASSERT_EQ(connect(tcp, reinterpret_cast<const sockaddr*>(&to), sizeof to), 0);
     send(tcp, std::string(kHeader) + std::to_string(peer + 1) + ",0,");
     EXPECT_FALSE(eventually_sample(server, out, 0.2)) << "half a line";
     send(tcp, "0,9.8\n");
@@ -163,13 +160,10 @@ TEST(StreamSource, UdpTakesADatagramForALineAndTcpForAStream) {
 
 TEST(StreamSource, AClientThatWaitsTakesThePlaceOfASilentOneAndOfNoOther) {
   const std::uint16_t port = test::free_port();
-  sockaddr_in to{};
-  to.sin_family = AF_INET;
-  to.sin_port = htons(port);
-  to.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+  const sockaddr_in to = test::on_loopback(port);
   const auto client = [&to] {
     const int fd = socket(AF_INET, SOCK_STREAM, 0);
-    EXPECT_EQ(connect(fd, reinterpret_cast<sockaddr*>(&to), sizeof to), 0);
+    EXPECT_EQ(connect(fd, reinterpret_cast<const sockaddr*>(&to), sizeof to), 0);
     return fd;
   };
   Arrival out;
