@@ -2,6 +2,7 @@
 /// adds to the three axes. The code needs nothing but the language itself.
 #pragma once
 #include <array>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -9,9 +10,18 @@
 
 namespace stillpoint::laws {
 
-/// What a law adds to a sensor: k times its number (axis by axis), or its vector axis by axis; or a matrix times it.
+/// A free function of one number, an axis each: between points the cubic that has the slopes there, beyond them the end
+/// value.
+struct Table {
+  std::vector<double> x;
+  std::array<std::vector<double>, 3> y, slope;
+};
+
+/// What a law adds to a sensor: k times its number (axis by axis), or its vector axis by axis; or a matrix times it; or
+/// what a table makes of it.
 struct Coupled {
   Node tree;  ///< checked
+  std::optional<Table> table;
   bool has_matrix = false;
   std::array<double, 9> matrix{};   ///< row-major; without a matrix the first three are k
   double from_s = 0.0, to_s = 0.0;  ///< of the law's time; equal: always

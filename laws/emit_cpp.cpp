@@ -84,6 +84,15 @@ std::vector<X> play(const Times& t, const std::vector<X>& x, double width) {
     }));
   return out;
 }
+inline double through(const std::vector<double>& x, const std::vector<double>& y, const std::vector<double>& slope,
+                      double at) {
+  at = std::clamp(at, x.front(), x.back());
+  std::size_t k = 0;
+  while (k + 2 < x.size() && at >= x[k + 1]) ++k;
+  const double h = x[k + 1] - x[k], s = (at - x[k]) / h, rest = 1.0 - s;
+  const double value = y[k] * (1.0 + 2.0 * s) * rest * rest + y[k + 1] * s * s * (3.0 - 2.0 * s);
+  return value + h * (slope[k] * s * rest * rest - slope[k + 1] * s * s * rest);
+}
 }  // namespace {name}_law
 
 )";
@@ -141,7 +150,10 @@ class Cpp final : public Dialect {
                                                            number(law.from_s), number(law.to_s))
                                              : "";
     loop += fmt::format("    const {} x = {};\n", law.tree.vector ? "V3" : "double", value);
-    if (law.has_matrix)
+    if (law.table)
+      loop += fmt::format("    for (std::size_t r = 0; r < 3; ++r) out[i][r] = through(points, y[r], slope[r], {});\n",
+                          law.tree.vector ? "x[r]" : "x");
+    else if (law.has_matrix)
       loop += fmt::format(
           "    const double matrix[3][3] = {{{{{}}}, {{{}}}, {{{}}}}};\n    for (std::size_t r = 0; r < 3; "
           "++r) out[i][r] = matrix[r][0] * x[0] + matrix[r][1] * x[1] + matrix[r][2] * x[2];\n",
@@ -155,7 +167,18 @@ class Cpp final : public Dialect {
                "inline std::vector<std::array<double, 3>> {0}({1}) {{\n  using namespace {0}_law;\n{2}  "
                "std::vector<std::array<double, 3>> out(t.size(), {{0.0, 0.0, 0.0}});\n  for (std::size_t i = 0; "
                "i < t.size(); ++i) {{\n{3}  }}\n  return out;\n}}\n",
-               name, head, body, loop);
+               name, head, body + (law.table ? points(*law.table) : ""), loop);
+  }
+
+ private:
+  [[nodiscard]] std::string points(const Table& table) const {
+    const auto three = [this](const std::array<std::vector<double>, 3>& v) {
+      return fmt::format("{{{{{}}},\n      {{{}}},\n      {{{}}}}}", list(v[0]), list(v[1]), list(v[2]));
+    };
+    return fmt::format(
+        "  const std::vector<double> points{{{}}};\n  const std::vector<double> y[3] = {};\n"
+        "  const std::vector<double> slope[3] = {};\n",
+        list(table.x), three(table.y), three(table.slope));
   }
 };
 

@@ -10,15 +10,20 @@ std::string Dialect::number(double x) const {
   return x < 0.0 ? "(" + out + ")" : out;
 }
 
-std::string Dialect::numbers(const Coupled& law, std::size_t first, std::size_t count) const {
+std::string Dialect::list(const std::vector<double>& values) const {
   std::string out;
-  for (std::size_t i = first; i < first + count; ++i) out += (i > first ? ", " : "") + number(law.matrix[i]);
+  for (const double x : values) out += (out.empty() ? "" : ", ") + number(x);
   return out;
 }
 
+std::string Dialect::numbers(const Coupled& law, std::size_t first, std::size_t count) const {
+  const auto begin = law.matrix.begin() + static_cast<std::ptrdiff_t>(first);
+  return list({begin, begin + static_cast<std::ptrdiff_t>(count)});
+}
+
 std::vector<std::string> Dialect::words(const Coupled& law, const Names& drivers) const {
-  std::vector<std::string> out{fmt::format("Adds to the {} (in {}), row by row: {} times", law.sensor, law.unit,
-                                           law.has_matrix ? "a matrix" : "k"),
+  const char* makes = law.table ? "what a table has at" : law.has_matrix ? "a matrix times" : "k times";
+  std::vector<std::string> out{fmt::format("Adds to the {} (in {}), row by row: {}", law.sensor, law.unit, makes),
                                "  " + text(law.tree),
                                "t: seconds, increasing" + std::string(drivers.empty() ? "" : "; drivers:")};
   out.insert(out.begin() + 2, law.beside.begin(), law.beside.end());

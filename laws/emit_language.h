@@ -30,6 +30,8 @@ class Dialect {
   [[nodiscard]] std::string inverse(const std::string& a) const { return "(1.0 / " + a + ")"; }
   /// "1.0, 2.0, 3.0": `count` numbers from `first` on.
   [[nodiscard]] std::string numbers(const Coupled& law, std::size_t first, std::size_t count) const;
+  /// "1.0, 2.0, 3.0"
+  [[nodiscard]] std::string list(const std::vector<double>& values) const;
   /// What stands above the function, one line each.
   [[nodiscard]] std::vector<std::string> words(const Coupled& law, const Names& drivers) const;
 };

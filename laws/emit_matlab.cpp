@@ -41,6 +41,18 @@ function y = delay_(t, x, s)
   y = at_(t, x, t - s);
 end
 
+function v = through_(x, y, slope, at)
+  at = min(max(at, x(1)), x(end));
+  k = ones(size(at));
+  for j = 2:numel(x) - 1
+    k(at >= x(j)) = j;
+  end
+  h = reshape(x(k + 1) - x(k), size(at)); s = (at - reshape(x(k), size(at))) ./ h; rest = 1 - s;
+  of = @(values) reshape(values, size(at));
+  v = of(y(k)) .* (1 + 2 * s) .* rest .^ 2 + of(y(k + 1)) .* s .^ 2 .* (3 - 2 * s);
+  v = v + h .* (of(slope(k)) .* s .* rest .^ 2 - of(slope(k + 1)) .* s .^ 2 .* rest);
+end
+
 function y = play_(t, x, width)
   y = x;
   for i = 2:numel(t)
@@ -80,9 +92,10 @@ class Matlab final : public Dialect {
     std::string head = "t", comment;
     for (const auto& [driver, vector] : drivers) head += ", " + driver;
     for (const std::string& line : words(law, drivers)) comment += "% " + line + "\n";
-    const std::string coefficients = law.has_matrix ? fmt::format("  out = x * [{}; {}; {}]';\n", numbers(law, 0, 3),
-                                                                  numbers(law, 3, 3), numbers(law, 6, 3))
-                                                    : fmt::format("  out = x .* [{}];\n", numbers(law, 0, 3));
+    const std::string coefficients = law.table        ? through(*law.table, law.tree.vector)
+                                     : law.has_matrix ? fmt::format("  out = x * [{}; {}; {}]';\n", numbers(law, 0, 3),
+                                                                    numbers(law, 3, 3), numbers(law, 6, 3))
+                                                      : fmt::format("  out = x .* [{}];\n", numbers(law, 0, 3));
     const std::string window = law.to_s > law.from_s ? fmt::format("  s = t - t(1);\n  out(s < {} | s > {}, :) = 0;\n",
                                                                    number(law.from_s), number(law.to_s))
                                                      : "";
@@ -93,6 +106,13 @@ class Matlab final : public Dialect {
   }
 
  private:
+  [[nodiscard]] std::string through(const Table& table, bool vector) const {
+    std::string out = fmt::format("  points = [{}];\n  out = zeros(numel(t), 3);\n", list(table.x));
+    for (std::size_t c = 0; c < 3; ++c)
+      out += fmt::format("  out(:, {}) = through_(points, [{}], [{}], x(:, {}));\n", c + 1, list(table.y[c]),
+                         list(table.slope[c]), vector ? c + 1 : 1);
+    return out;
+  }
   /// "(1.0 / x)" of the shared walk is a division of columns here.
   static std::string elementwise(std::string b) {
     if (b.rfind("(1.0 / ", 0) == 0) b.replace(0, 7, "(1.0 ./ ");

@@ -80,6 +80,18 @@ def _delay(t, x, s):
     return [_at(t, x, c - s) for c in t]
 
 
+def _through(x, y, slope, at):
+    at = min(max(at, x[0]), x[-1])
+    k = 0
+    while k < len(x) - 2 and at >= x[k + 1]:
+        k += 1
+    h = x[k + 1] - x[k]
+    s = (at - x[k]) / h
+    rest = 1.0 - s
+    value = y[k] * (1.0 + 2.0 * s) * rest * rest + y[k + 1] * s * s * (3.0 - 2.0 * s)
+    return value + h * (slope[k] * s * rest * rest - slope[k + 1] * s * s * rest)
+
+
 def _play(t, x, width):
     out = [x[0]]
     for i in range(1, len(t)):
@@ -132,7 +144,10 @@ class Python final : public Dialect {
                                                    number(law.from_s), number(law.to_s))
                                              : "";
     loop += "        x = " + value + "\n";
-    if (law.has_matrix)
+    if (law.table)
+      loop += fmt::format("        out.append([_through(points, y[c], slope[c], {}) for c in range(3)])\n",
+                          law.tree.vector ? "x[c]" : "x");
+    else if (law.has_matrix)
       loop += fmt::format(
           "        matrix = [[{}], [{}], [{}]]\n        out.append([sum(r[j] * x[j] for j in range(3)) "
           "for r in matrix])\n",
@@ -143,10 +158,17 @@ class Python final : public Dialect {
     return fmt::format(
         "{}\ndef {}({}):\n    \"\"\"\n{}    Vectors are lists of three numbers, one a row.\n"
         "    \"\"\"\n{}    out = []\n    for i in range(len(t)):\n{}    return out\n",
-        kPythonHelpers, name, head, comment, body, loop);
+        kPythonHelpers, name, head, comment, body + (law.table ? points(*law.table) : ""), loop);
   }
 
  private:
+  [[nodiscard]] std::string points(const Table& table) const {
+    const auto three = [this](const std::array<std::vector<double>, 3>& v) {
+      return fmt::format("[[{}],\n        [{}],\n        [{}]]", list(v[0]), list(v[1]), list(v[2]));
+    };
+    return fmt::format("    points = [{}]\n    y = {}\n    slope = {}\n", list(table.x), three(table.y),
+                       three(table.slope));
+  }
   static std::string each(const std::string& of_c, const std::string& a, bool vector) {
     return vector ? fmt::format("[{} for c in {}]", of_c, a) : fmt::format("(lambda c: {})({})", of_c, a);
   }

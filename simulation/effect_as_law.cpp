@@ -6,6 +6,7 @@
 #include <string>
 #include <string_view>
 
+#include "core/so3.h"
 #include "core/units.h"
 #include "simulation/active_effect.h"
 #include "simulation/effect_catalogue.h"
@@ -77,11 +78,23 @@ void add_shared(AsLaws& out, Sensor s, std::string_view family, const std::strin
   if (family == "delay" || family == "offset") later(p.scalar(0));
 }
 
+/// dw/dt x r + w x (w x r), where axis i of the sensor is at r_i, row i.
+void add_lever(AsLaws& out, Sensor s, const Mat3& r) {
+  Mat3 turning;
+  for (int i = 0; i < 3; ++i) turning.row(i) = -skew(Vec3(r.row(i))).row(i);
+  out.add_matrix(s, "d(w)", turning);
+  for (int i = 0; i < 3; ++i)
+    out.add(s, fmt::format("({} * w_x + {} * w_y + {} * w_z) * w", r(i, 0), r(i, 1), r(i, 2)), Vec3::Unit(i));
+  out.add(s, "norm(w)^2", -r.diagonal());
+}
+
 /// Of those that only one sensor has.
 void add_own(AsLaws& out, Sensor s, std::string_view id) {
   const EffectValues& p = out.values();
   const auto from = [](double t0_s) { return fmt::format("step(t, {})", t0_s); };
   if (id == "acc_gravity") out.add(s, "up", Vec3::Constant(p.scalar(0)));
+  if (id == "acc_lever") add_lever(out, s, Vec3::Ones() * p.vec3(0).transpose());
+  if (id == "acc_size") add_lever(out, s, p.mat3(0));
   if (id == "gyr_gsens") out.add_matrix(s, "f", p.mat3(0));
   if (id == "gyr_earth" && !p.vec3(1).isZero()) out.add(s, in_world_axes(p.vec3(1)), Vec3::Ones());
   if (id == "mag_hard_step") out.add(s, from(p.scalar(1)), p.vec3(0));

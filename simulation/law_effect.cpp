@@ -13,6 +13,23 @@ const std::vector<double>* numbers(const EffectConfig& e, const char* key) {
   return it == e.parameters.end() || it->second.empty() ? nullptr : &it->second;
 }
 
+/// The table's points, axis by axis.
+std::vector<double> points(const EffectConfig& table, std::size_t axis) {
+  const auto &x = *numbers(table, "x"), &y = *numbers(table, "y");
+  const auto begin = y.begin() + static_cast<std::ptrdiff_t>(axis * x.size());
+  return {begin, begin + static_cast<std::ptrdiff_t>(x.size())};
+}
+
+laws::Table table_of(const EffectConfig& e) {
+  laws::Table out{*numbers(e, "x"), {}, {}};
+  const auto curves = curves_of(e);
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    out.y[axis] = points(e, axis);
+    out.slope[axis] = curves[axis].slopes();
+  }
+  return out;
+}
+
 laws::Node checked_tree(const EffectConfig& e) {
   auto tree = tree_of(e);
   SP_EXPECTS(tree.has_value());
@@ -57,6 +74,7 @@ tl::expected<laws::Node, laws::Fault> tree_of(const EffectConfig& e) {
 laws::Coupled coupled(const EffectConfig& e) {
   laws::Coupled out;
   out.tree = checked_tree(e);
+  if (is_table(e)) out.table = table_of(e);
   const auto *k = numbers(e, "k"), *matrix = numbers(e, "matrix");
   out.has_matrix = matrix != nullptr;
   if (matrix != nullptr) std::copy(matrix->begin(), matrix->end(), out.matrix.begin());
@@ -94,12 +112,8 @@ double Curve::at(double x) const noexcept {
 }
 
 std::array<Curve, 3> curves_of(const EffectConfig& table) {
-  const auto &x = *numbers(table, "x"), &y = *numbers(table, "y");
-  const auto row = [&](std::size_t axis) {
-    const auto begin = y.begin() + static_cast<std::ptrdiff_t>(axis * x.size());
-    return Curve(x, {begin, begin + static_cast<std::ptrdiff_t>(x.size())});
-  };
-  return {row(0), row(1), row(2)};
+  const std::vector<double>& x = *numbers(table, "x");
+  return {Curve(x, points(table, 0)), Curve(x, points(table, 1)), Curve(x, points(table, 2))};
 }
 
 LawEffect::LawEffect(const EffectConfig& e) : stream_(checked_tree(e)) {

@@ -27,7 +27,7 @@ inline constexpr std::string_view kLawPrefix = "law:", kTablePrefix = "table:";
 /// The expression as the entry means it, tau_s included. Fails where it cannot be parsed.
 [[nodiscard]] tl::expected<laws::Node, laws::Fault> tree_of(const EffectConfig& e);
 
-/// The law with its numbers, for evaluation over columns and for emitting code. Pre: is_law, parses.
+/// The law or table with its numbers, for evaluation over columns and for emitting code. Pre: one of both, parses.
 [[nodiscard]] laws::Coupled coupled(const EffectConfig& e);
 
 /// Piecewise cubic through the points that never leaves the span of its neighbours (Fritsch and Carlson, "Monotone
@@ -37,6 +37,7 @@ class Curve {
   Curve(std::vector<double> x, std::vector<double> y);  ///< Pre: two points at least, x increasing
   [[nodiscard]] double at(double x) const noexcept;
   [[nodiscard]] bool covers(double x) const noexcept { return x >= x_.front() && x <= x_.back(); }
+  [[nodiscard]] const std::vector<double>& slopes() const noexcept { return slope_; }  ///< at the points
 
  private:
   std::vector<double> x_, y_, slope_;

@@ -17,8 +17,7 @@ namespace stillpoint::app {
 namespace {
 
 std::vector<sim::EffectConfig> laws_of(const sim::EffectConfig& e) {
-  if (sim::is_law(e)) return {e};
-  return sim::is_table(e) ? std::vector<sim::EffectConfig>{} : sim::as_laws(e);
+  return sim::is_law(e) || sim::is_table(e) ? std::vector{e} : sim::as_laws(e);
 }
 
 /// The numbers that belong to the law: it acts on the truth, before them.
@@ -41,9 +40,7 @@ std::string why_no_code(const diag::Answer& answer, const diag::Finding& f) {
   const auto entry = std::find_if(answer.effects.begin(), answer.effects.end(),
                                   [&f](const sim::EffectConfig& e) { return diag::is_entry_of(e, f); });
   if (entry == answer.effects.end()) return "no law of it is known";
-  if (!laws_of(*entry).empty()) return {};
-  return sim::is_table(*entry) ? "it is a table, whose points stand in the entry of `effects:`"
-                               : "the grammar of laws has no words for " + sim::find_effect(entry->id)->equation;
+  return laws_of(*entry).empty() ? "the grammar of laws has no words for " + sim::find_effect(entry->id)->equation : "";
 }
 
 }  // namespace

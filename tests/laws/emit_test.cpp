@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdlib>
@@ -58,7 +59,23 @@ std::vector<Coupled> laws() {
   std::erase_if(out, [](const Coupled& c) { return c.tree.args.empty(); });
   out[0].from_s = 1.0;
   out[0].to_s = 4.0;
+  // Tables of a number and of a vector, which leave the points at both ends.
+  for (const std::size_t of : {0U, 4U}) {
+    out.push_back(out[of]);
+    out.back().table =
+        Table{{-0.5, 0.1, 0.4}, {{{1, 2, 5}, {0, -1, 3}, {4, 4, 0}}}, {{{3, 2, 6}, {0, 1, 9}, {0, -7, -20}}}};
+  }
   return out;
+}
+
+/// Of the cubic a + b d + c d^2 + e d^3 from the point before.
+double through(const Table& table, std::size_t axis, double at) {
+  const std::vector<double>&x = table.x, &y = table.y[axis], &slope = table.slope[axis];
+  at = std::clamp(at, x.front(), x.back());
+  const std::size_t k = at < x[1] ? 0 : 1;
+  const double h = x[k + 1] - x[k], d = at - x[k], secant = (y[k + 1] - y[k]) / h;
+  const double c = (3.0 * secant - 2.0 * slope[k] - slope[k + 1]) / h;
+  return y[k] + d * (slope[k] + d * (c + d * (slope[k] + slope[k + 1] - 2.0 * secant) / (h * h)));
 }
 
 Eigen::MatrixXd expected(const Coupled& law, const Columns& c) {
@@ -69,7 +86,9 @@ Eigen::MatrixXd expected(const Coupled& law, const Columns& c) {
     if (law.to_s > law.from_s && (t < law.from_s || t > law.to_s)) continue;
     for (int r = 0; r < 3; ++r) {
       const auto at = static_cast<std::size_t>(r);
-      if (!law.has_matrix)
+      if (law.table)
+        out(i, r) = through(*law.table, at, x(i, x.cols() == 1 ? 0 : r));
+      else if (!law.has_matrix)
         out(i, r) = law.matrix[at] * x(i, x.cols() == 1 ? 0 : r);
       else
         for (int j = 0; j < 3; ++j) out(i, r) += law.matrix[3 * at + static_cast<std::size_t>(j)] * x(i, j);

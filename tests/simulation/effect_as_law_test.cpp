@@ -46,10 +46,16 @@ TEST(EffectAsLaw, RemembersAsTheEffectDoes) {
   EXPECT_LT(worst_share("{effect: acc_temp_lag, k_mps2_per_K: [0.01, -0.02, 0.03], tau_s: 20}"), 1e-2);
 }
 
+/// The derivative is that of the rates between the rows.
+TEST(EffectAsLaw, ALeverIsThreeLaws) {
+  EXPECT_LT(worst_share("{effect: acc_lever, r_m: [0.1, 0.2, -0.3]}"), 1e-2);
+  EXPECT_LT(worst_share("{effect: acc_size, r_m: [[0.003, 0.001, 0], [0, -0.002, 0.004], [0.005, 0, 0.001]]}"), 1e-2);
+}
+
 TEST(EffectAsLaw, IsEmptyWhereTheGrammarHasNoWords) {
-  for (const char* yaml : {"{effect: gyr_sat, L_radps: [2, 2, 2]}", "{effect: mag_hold, n: 5}",
-                           "{effect: acc_lever, r_m: [0.1, 0.2, 0.3]}", "{effect: gyr_delay, tau_s: -0.01}",
-                           "{effect: sys_jitter, sd_s: 1e-4}", "{effect: ref_frame, phi_rad: [0.01, 0, 0]}"})
+  for (const char* yaml :
+       {"{effect: gyr_sat, L_radps: [2, 2, 2]}", "{effect: mag_hold, n: 5}", "{effect: gyr_delay, tau_s: -0.01}",
+        "{effect: sys_jitter, sd_s: 1e-4}", "{effect: ref_frame, phi_rad: [0.01, 0, 0]}"})
     EXPECT_TRUE(as_laws(effect(yaml)).empty()) << yaml;
 }
 
