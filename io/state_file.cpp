@@ -3,6 +3,7 @@
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <sys/file.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <cerrno>
@@ -91,6 +92,14 @@ Result<void> put_in_place(const std::string& temporary, const std::string& path)
   return {};
 }
 
+/// Whether the path still names what was opened.
+bool is_file(int descriptor, const std::string& path) {
+  struct stat held = {};
+  struct stat named = {};
+  return ::fstat(descriptor, &held) == 0 && ::stat(path.c_str(), &named) == 0 && held.st_ino == named.st_ino &&
+         held.st_dev == named.st_dev;
+}
+
 }  // namespace
 
 Result<StateFile> read_state_file(const std::string& path) {
@@ -132,10 +141,12 @@ std::string StateStore::path(int age) const {
       .string();
 }
 
+std::string StateStore::lock_file() const { return (fs::path(directory_) / (sensor_id_ + ".lock")).string(); }
+
 Result<void> StateStore::claim() {
   std::error_code error;
   fs::create_directories(directory_, error);
-  const std::string file = (fs::path(directory_) / (sensor_id_ + ".lock")).string();
+  const std::string file = lock_file();
   auto lock = std::make_shared<const Descriptor>(::open(file.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC, 0640));
   if (lock->get() < 0) return cannot("cannot be written", file, kNameAFolder);
   if (::flock(lock->get(), LOCK_EX | LOCK_NB) != 0)
@@ -152,7 +163,9 @@ Result<void> StateStore::claim() {
   return {};
 }
 
-Result<void> StateStore::save(std::span<const std::byte> payload) const {
+Result<void> StateStore::save(std::span<const std::byte> payload) {
+  if (lock_ && !is_file(lock_->get(), lock_file()))  // somebody removed the folder, or cleared it
+    if (auto claimed = claim(); !claimed) return claimed;
   const auto temporary = write_temporary(path(), sensor_id_, payload);
   if (!temporary) return tl::unexpected(temporary.error());
   // A crash between these renames leaves a gap in the ages, never the lack of a good file.

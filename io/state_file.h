@@ -39,7 +39,8 @@ class StateStore {
   [[nodiscard]] Result<void> claim();
 
   /// Temporary file, fsync, the older ones moved up, rename, fsync of the folder. Fails with 73; the older ones stay.
-  [[nodiscard]] Result<void> save(std::span<const std::byte> payload) const;
+  /// A folder that was claimed and has been removed since is claimed again.
+  [[nodiscard]] Result<void> save(std::span<const std::byte> payload);
 
   struct Loaded {
     std::vector<std::byte> payload;      ///< empty: nothing usable was found
@@ -52,6 +53,8 @@ class StateStore {
   [[nodiscard]] std::string path(int age = 0) const;
 
  private:
+  [[nodiscard]] std::string lock_file() const;
+
   std::string directory_, sensor_id_;
   int keep_;
   std::shared_ptr<const Descriptor> lock_;

@@ -1,8 +1,11 @@
 /// What `watch` and `status` share: the words and numbers of a running daemon's messages, for people and as JSON.
 #pragma once
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <string_view>
@@ -37,8 +40,26 @@ inline double percentile_us(const LatencyCounts& counts, double p) {
   return 1e-3 * static_cast<double>(latency_percentile_ns(counts, p));
 }
 
+/// NaN where unknown, which the message says by zeros.
 inline Array3 bias_sd(const TriadCalibration& c) {
-  return {std::sqrt(c.bias_covariance[0]), std::sqrt(c.bias_covariance[4]), std::sqrt(c.bias_covariance[8])};
+  Array3 sd;
+  for (std::size_t i = 0; i < sd.size(); ++i) {
+    const double variance = c.bias_covariance[4 * i];
+    sd[i] = variance > 0.0 ? std::sqrt(variance) : std::numeric_limits<double>::quiet_NaN();
+  }
+  return sd;
+}
+
+/// Of the sensor of that index, in its unit: "0.012 -0.340 0.005 +- 0.002 0.002 0.003 deg/s".
+inline std::string bias_words(const TriadCalibration& c, std::size_t sensor, int decimals) {
+  const double scale = sensor == 1 ? kDegPerRad : 1.0;
+  const auto words = [&](const Array3& x) {
+    return fmt::format("{:.{}f} {:.{}f} {:.{}f}", scale * x[0], decimals, scale * x[1], decimals, scale * x[2],
+                       decimals);
+  };
+  const Array3 sd = bias_sd(c);
+  const bool known = std::all_of(sd.begin(), sd.end(), [](double x) { return std::isfinite(x); });
+  return fmt::format("{} +- {} {}", words(c.bias), known ? words(sd) : "(not known yet)", kSensorUnit[sensor]);
 }
 
 inline std::array<const TriadCalibration*, 3> triads(const CalibrationSnapshot& s) { return {&s.acc, &s.gyr, &s.mag}; }

@@ -22,12 +22,8 @@ std::string sensor_lines(const DiagnosticsMessage& d, const CalibrationMessage& 
   const auto health = sensors(d.health);
   for (std::size_t i = 0; i < triad.size(); ++i) {
     const TriadCalibration& c = *triad[i];
-    const double scale = i == 1 ? kDegPerRad : 1.0;
-    const Array3 sd = bias_sd(c);
-    out +=
-        fmt::format("  {}   {:<22}  {}, {} windows, bias {:.3f} {:.3f} {:.3f} +- {:.3f} {:.3f} {:.3f} {}\n",
-                    kSensorName[i], health_words(*health[i]), word(c.status), c.windows, scale * c.bias[0],
-                    scale * c.bias[1], scale * c.bias[2], scale * sd[0], scale * sd[1], scale * sd[2], kSensorUnit[i]);
+    out += fmt::format("  {}   {:<22}  {}, {} windows, bias {}\n", kSensorName[i], health_words(*health[i]),
+                       word(c.status), c.windows, bias_words(c, i, 3));
     if (!calibration.reasons[i].empty()) out += fmt::format("        {}\n", io::printable(calibration.reasons[i]));
   }
   return out + fmt::format("  temp  {:<22}  {}\n", health_words(d.health.temp),

@@ -65,14 +65,10 @@ std::string sensor_lines(const AttitudeMessage& m, const CalibrationMessage& mes
   const std::array health{&m.health.acc, &m.health.gyr, &m.health.mag};
   for (std::size_t i = 0; i < sensors.size(); ++i) {
     const TriadCalibration& c = *sensors[i];
-    const double scale = i == 1 ? kDegPerRad : 1.0;
-    const Array3 sd = bias_sd(c);
     out += fmt::format("{:<6}  {}  {}  {} windows, {:.0f} to {:.0f} degC\n", kSensorName[i],
                        coloured(of(health[i]->state), fmt::format("{:<21}", health_words(*health[i]))),
                        coloured(of(c.status), word(c.status)), c.windows, c.temp_min_degC, c.temp_max_degC);
-    out +=
-        fmt::format("        bias {:.4f} {:.4f} {:.4f} +- {:.4f} {:.4f} {:.4f} {}\n", scale * c.bias[0],
-                    scale * c.bias[1], scale * c.bias[2], scale * sd[0], scale * sd[1], scale * sd[2], kSensorUnit[i]);
+    out += fmt::format("        bias {}\n", bias_words(c, i, 4));
     if (!message.reasons[i].empty()) out += fmt::format("        {}\n", io::printable(message.reasons[i]));
   }
   return out;

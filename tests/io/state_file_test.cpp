@@ -24,7 +24,7 @@ class StateFile : public ::testing::Test {
 };
 
 TEST_F(StateFile, GivesBackTheNewestAndKeepsTheOnesBefore) {
-  const StateStore store(folder_, "imu", 3);
+  StateStore store(folder_, "imu", 3);
   for (const char* content : {"one", "two", "three", "four"}) ASSERT_TRUE(store.save(bytes(content)).has_value());
   EXPECT_EQ(text(store.load(anything)), "four");
   fs::remove(store.path(0));
@@ -35,7 +35,7 @@ TEST_F(StateFile, GivesBackTheNewestAndKeepsTheOnesBefore) {
 }
 
 TEST_F(StateFile, EveryCutAndEveryFlippedBitIsNoticedAndTheOneBeforeServes) {
-  const StateStore store(folder_, "imu", 2);
+  StateStore store(folder_, "imu", 2);
   const std::string content("what was learnt\n\nabout it", 25);
   for (std::size_t damage = 0;; ++damage) {
     ASSERT_TRUE(store.save(bytes("older")).has_value());
@@ -66,9 +66,31 @@ TEST_F(StateFile, OfAnotherSensorOrOfAnotherLayoutIsSetAsideWithAMessage) {
   ASSERT_EQ(loaded.set_aside.size(), 1U);
   EXPECT_NE(loaded.set_aside[0].find("another sensor"), std::string::npos);
 
-  const StateStore third(folder_, "third", 1);
+  StateStore third(folder_, "third", 1);
   ASSERT_TRUE(third.save(bytes("y")).has_value());
   EXPECT_TRUE(third.load([](std::span<const std::byte>) { return std::string("of another layout"); }).payload.empty());
+}
+
+TEST_F(StateFile, AFolderRemovedMeanwhileIsMadeAgainAndStaysClaimed) {
+  const std::string folder = folder_ + "/learnt";
+  StateStore store(folder, "imu", 2);
+  ASSERT_TRUE(store.claim().has_value());
+  ASSERT_TRUE(store.save(bytes("before")).has_value());
+  fs::remove_all(folder);
+  ASSERT_TRUE(store.save(bytes("after")).has_value());
+  EXPECT_EQ(text(store.load(anything)), "after");
+  EXPECT_FALSE(StateStore(folder, "imu", 2).claim().has_value());
+}
+
+TEST_F(StateFile, WhoLostItsFolderToAnotherDaemonDoesNotWriteOverIt) {
+  StateStore first(folder_, "imu", 2);
+  ASSERT_TRUE(first.claim().has_value());
+  fs::remove(folder_ + "/imu.lock");
+  StateStore second(folder_, "imu", 2);
+  ASSERT_TRUE(second.claim().has_value());
+  ASSERT_TRUE(second.save(bytes("of the second")).has_value());
+  EXPECT_FALSE(first.save(bytes("of the first")).has_value());
+  EXPECT_EQ(text(second.load(anything)), "of the second");
 }
 
 TEST_F(StateFile, AFolderThatCannotBeWrittenIsReportedBeforeAnythingIsLearnt) {
