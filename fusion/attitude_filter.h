@@ -256,10 +256,12 @@ class AttitudeFilter {
   void gather_field(const CalibratedSample& sample) noexcept;
   void covariance_step() noexcept;
   void measure_motion(double time_s) noexcept;
+  [[nodiscard]] bool turns_are_told(const Vec3& up_body) const noexcept;
   void hear_witnesses(double time_s) noexcept;
   void judge_jumps(double time_s) noexcept;
   void measure_rest(double time_s) noexcept;
   void doubt_offset() noexcept;
+  void forget_tilt(double lean2) noexcept;
   void relearn_bias(const Vec3& rate_radps) noexcept;
   void doubt_insistence(double time_s) noexcept;
   void end_insisting() noexcept;

@@ -89,6 +89,20 @@ void ErrorState::update(int index, double z, double variance) noexcept {
   weigh_jumps(v);
 }
 
+void ErrorState::update_but_turns(int index, double z, double variance, const Vec3& up_body) noexcept {
+  const ErrorVector Ph = P().col(index);
+  const Innovation v{z - mean()(index), Ph(index) + variance, untold().row(index), by_jump().row(index)};
+  if (!v.usable()) return;
+  ErrorVector gain = Ph / v.variance;
+  gain(kTheta + 2) = 0.0;
+  const auto forget_vertical = [&](auto rate) { rate -= up_body * up_body.dot(rate); };
+  forget_vertical(gain.segment<3>(kGyrBias));
+  for (int column = 0; column < 3; ++column) forget_vertical(gain.segment<3>(kGyrMatrix + 3 * column));
+  correct(gain, Ph, v);
+  P().noalias() -= (Ph - v.variance * gain) * gain.transpose();
+  weigh_jumps(v);
+}
+
 void ErrorState::begin_jump(int jump, int first) noexcept {
   auto columns = by_jump().middleCols<3>(3 * jump);
   columns.setZero();
@@ -133,6 +147,14 @@ void ErrorState::turn_back() noexcept {
     P().middleCols<3>(first) *= -1.0;
     untold().middleRows<3>(first) *= -1.0;
   }
+}
+
+void ErrorState::add_lean(double share, const Eigen::Vector2d& tilt_rad, const Eigen::Vector2d& velocity_mps) noexcept {
+  ErrorVector lean = ErrorVector::Zero();
+  lean.segment<2>(kTheta) = tilt_rad;
+  lean.segment<2>(kVelocity) = velocity_mps;
+  P().noalias() += share * lean * lean.transpose();
+  for (int i = 0; i < 2; ++i) pull_.doubt(kTheta + i, share * tilt_rad(i) * tilt_rad(i));
 }
 
 void ErrorState::forget(int index, double variance) noexcept {

@@ -108,12 +108,18 @@ class ErrorState {
               const ErrorVector& taught = ErrorVector::Ones()) noexcept;
   /// The same for z = x(index) + noise.
   void update(int index, double z, double variance) noexcept;
+  /// The same, and of a turn about the vertical nothing is learnt (A36): not the heading, nor of offset and matrix of
+  /// the gyroscope what turns about `up_body`.
+  void update_but_turns(int index, double z, double variance, const Vec3& up_body) noexcept;
 
   /// Adds variance to one error; what was known of its correlations stays.
   void add_variance(int index, double variance) noexcept {
     P()(index, index) += variance;
     if (index < kVelocity) pull_.doubt(index, variance);
   }
+  /// Adds variance to tilt and level velocity together: `share` of the squares of errors that would go with one
+  /// another.
+  void add_lean(double share, const Eigen::Vector2d& tilt_rad, const Eigen::Vector2d& velocity_mps) noexcept;
   /// Forgets one error: its variance is set and its correlations are dropped. What a jump has done to it stays.
   void forget(int index, double variance) noexcept;
 

@@ -108,7 +108,7 @@ void MotionScale::weigh(const std::array<double, 3>& force_mps2, double period_s
   log_odds_ = std::clamp(log_odds_, -kMostOdds, kMostOdds);
 }
 
-double MotionScale::observe(const Seen& seen, const Usual& usual, double period_s) noexcept {
+MotionScale::Lean MotionScale::observe(const Seen& seen, const Usual& usual, double period_s) noexcept {
   weigh(seen.force_mps2, period_s);
   for (std::size_t i = 0; i < 2; ++i) follow(lasting_force_mps2_[i], seen.force_mps2[i], period_s, kLasting_s);
   follow_swing(seen, usual.speed_mps, period_s);
@@ -121,7 +121,7 @@ double MotionScale::observe(const Seen& seen, const Usual& usual, double period_
     surprise = std::max(surprise, mean_velocity_mps_[i] * mean_velocity_mps_[i] / (usual2 + seen.variance_m2ps2[i]));
   }
   scale_ = 1.0 + (scale_ - 1.0) * std::exp(-period_s / kRideMemory_s);
-  double tilt_rad2 = 0.0;
+  Lean lean;
   excused_s_ *= std::exp(-period_s / kExcusedMemory_s);
   if (surprise > kSurprisingMotion) {
     const double level2 = mean_force_mps2_[0] * mean_force_mps2_[0] + mean_force_mps2_[1] * mean_force_mps2_[1];
@@ -129,11 +129,13 @@ double MotionScale::observe(const Seen& seen, const Usual& usual, double period_
     const double of_vehicle = vehicle(lean2, seen.tilt_rad2);
     if (!rested_) excused_s_ += (1.0 - of_vehicle) * period_s;
     if (of_vehicle > 0.5 || excused_s_ > kExcused_s) scale_ = std::min(kLargest, scale_ * surprise / kLeftOver);
-    // The same horizontal force as a lean, by the share that the hand has of the odds.
-    tilt_rad2 = (1.0 - of_vehicle) * blend * lean2;
+    lean.share = (1.0 - of_vehicle) * blend;  // by what the hand has of the odds
+    lean.tilt_rad = {mean_force_mps2_[1] / kStandardGravity_mps2, -mean_force_mps2_[0] / kStandardGravity_mps2};
+    lean.velocity_mps = {-seen.velocity_mps[0], -seen.velocity_mps[1]};
+    lean.any_way = !rested_;
   }
   if (!std::isfinite(scale_) || !std::isfinite(swing_) || !std::isfinite(log_odds_)) *this = {};
-  return std::isfinite(tilt_rad2) ? tilt_rad2 : 0.0;
+  return std::isfinite(lean.rad2()) ? lean : Lean{};
 }
 
 }  // namespace stillpoint::fusion

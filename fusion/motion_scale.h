@@ -23,9 +23,18 @@ class MotionScale {
     double gyr_bias_rad2ps2;           ///< variance of the gyroscope's offset, per axis
   };
 
-  /// What is returned is the variance of the tilt [rad^2] that a hand would owe the surprise to: to be added to what
-  /// the filter thinks of its own tilt.
-  double observe(const Seen& seen, const Usual& usual, double period_s) noexcept;
+  /// A hand would owe the surprise to an attitude that leans, and has leant for as long as the velocity took to grow:
+  /// these errors, about and towards east and north, and the share of their squares to be added to what the filter
+  /// thinks of its own.
+  struct Lean {
+    double share = 0.0;
+    std::array<double, 2> tilt_rad{}, velocity_mps{};
+    bool any_way = false;  ///< an offset that nobody knows leans it, any way and at any time
+    [[nodiscard]] double rad2() const noexcept {
+      return share * (tilt_rad[0] * tilt_rad[0] + tilt_rad[1] * tilt_rad[1]);
+    }
+  };
+  Lean observe(const Seen& seen, const Usual& usual, double period_s) noexcept;
 
   /// A body at rest is not under way, whatever was thought of it. A vehicle that stops remains one.
   void rest() noexcept;
