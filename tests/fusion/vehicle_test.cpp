@@ -46,6 +46,39 @@ TEST(MotionScale, WhoIsSurprisedAgainAndAgainIsCarried) {
   EXPECT_FALSE(never.carried());
 }
 
+/// What would lean after a rest has leant for as long as the velocity took to grow; before any rest an unknown offset
+/// leans it any way.
+TEST(MotionScale, ALeanIsAsOldAsTheVelocity) {
+  const MotionScale::Seen leans{{5.0, -1.0}, {0.04, 0.04}, {2.0, -0.5, 9.6}, 0.04, 0.01};
+  for (const bool rests : {false, true}) {
+    MotionScale scale;
+    if (rests) scale.rest();
+    MotionScale::Lean lean;
+    for (double t_s = 0.0; t_s < 5.0 && lean.share == 0.0; t_s += kStep_s) lean = scale.observe(leans, kHand, kStep_s);
+    ASSERT_GT(lean.share, 0.0);
+    EXPECT_EQ(lean.any_way, !rests);
+    EXPECT_NEAR(lean.tilt_rad[0], -0.5 / kStandardGravity_mps2, 1e-9);
+    EXPECT_NEAR(lean.tilt_rad[1], -2.0 / kStandardGravity_mps2, 1e-9);
+    EXPECT_EQ(lean.velocity_mps[0], -5.0);
+    EXPECT_EQ(lean.velocity_mps[1], 1.0);
+  }
+}
+
+/// The velocity that is found untrue takes with it the lean that has made it, no more and no less.
+TEST(ErrorState, ALeanIsSetRightWithItsVelocity) {
+  ErrorState error;
+  ErrorVector sd = ErrorVector::Zero();
+  sd.segment<2>(kTheta).setConstant(1e-3);
+  error.start(sd);
+  error.add_lean(1.0, {0.05, -0.2}, {-5.0, 1.0});
+  error.update(kVelocity, -5.0, 1e-6);
+  const ErrorVector set = error.take_mean();
+  EXPECT_NEAR(set(kTheta), 0.05, 1e-6);
+  EXPECT_NEAR(set(kTheta + 1), -0.2, 1e-6);
+  EXPECT_NEAR(set(kVelocity + 1), 1.0, 1e-6);
+  EXPECT_LT(error.P()(kTheta + 1, kTheta + 1), 1.1e-6);  // what it had before
+}
+
 /// An aircraft that never rests: straight on, then round and round. The force stays along its own vertical.
 class Circling {
  public:
@@ -142,36 +175,6 @@ class Driving {
   double swing_s_ = 4.0 + std::abs(random_.normal3().x()), turning_s_ = 4.0 + std::abs(random_.normal3().x());
   double t_s_ = 0.0, yaw_rad_ = 0.0, speed_mps_ = 0.0;
 };
-
-/// The largest tilt error, in degrees, of a sensor that lay still and then gathers way along a level road.
-double gathers_way_deg(unsigned seed) {
-  constexpr double kLies_s = 10.0, kGathers_s = 8.0, kRolls_s = 6.0, kAlong_mps2 = 1.3;
-  sim::Stream random(seed, "gathers way");
-  const Quat mount = exp_quat(random.normal3());
-  const Vec3 gyr_bias = 0.01 * random.normal3(), acc_bias = 0.05 * random.normal3();
-  AttitudeFilter filter;
-  double worst_rad = 0.0;
-  for (double t_s = 0.0; t_s < kLies_s + kGathers_s + kRolls_s; t_s += kStep_s) {
-    const bool lies = t_s < kLies_s, gathers = !lies && t_s < kLies_s + kGathers_s;
-    CalibratedSample s;
-    s.t_ns = std::llround(1e9 * t_s);
-    s.has = kAcc | kGyr;
-    const Vec3 force(gathers ? kAlong_mps2 : 0.0, 0.0, kStandardGravity_mps2);
-    s.acc_mps2 = array(Vec3(mount.conjugate() * force + acc_bias + (lies ? 0.01 : 0.1) * random.normal3()));
-    s.gyr_radps = array(Vec3(gyr_bias + 0.002 * random.normal3()));
-    const AttitudeEstimate e = filter.step(s, lies);
-    const Vec3 up = mount.conjugate() * Vec3::UnitZ();
-    if (!lies) worst_rad = std::max(worst_rad, std::acos(std::min(1.0, (quat(e.q_world_body) * up).z())));
-  }
-  return kDegPerRad * worst_rad;
-}
-
-/// What would lean has leant for as long as the velocity took to grow, and no further than the force.
-TEST(Vehicle, GatheringWayLeansNoFurtherThanItsForce) {
-  double worst_deg = 0.0;
-  for (unsigned seed = 1; seed <= 20; ++seed) worst_deg = std::max(worst_deg, gathers_way_deg(seed));
-  EXPECT_LT(worst_deg, 8.5);  // 7.6 are 1.3 m/s^2
-}
 
 TEST(Vehicle, OneThatNobodyHasSeenAtRestIsFoundOut) {
   const Ride car = ride<Driving>(6000, 1500);
