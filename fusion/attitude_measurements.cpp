@@ -33,9 +33,11 @@ void AttitudeFilter::measure_motion(double time_s) noexcept {
   const MotionScale::Lean lean =
       s_.motion_scale.observe(seen, {params_.motion_speed_mps, params_.motion_time_s}, time_s);
   const double leaning_rad2 = lean.rad2();
-  for (int i = 0; i < 2 && lean.any_way; ++i) s_.error.add_variance(kTheta + i, leaning_rad2);
-  if (!lean.any_way)
+  if (lean.any_way) {
+    for (int i = 0; i < 2; ++i) s_.error.add_variance(kTheta + i, leaning_rad2);
+  } else {
     s_.error.add_lean(lean.share, Eigen::Vector2d(lean.tilt_rad.data()), Eigen::Vector2d(lean.velocity_mps.data()));
+  }
   s_.since_pause_s += time_s;
   const Vec3 up = mat(s_.R_world_body).row(2);
   if (leaning_rad2 > 0.0 && s_.gyr_heard &&
