@@ -224,6 +224,7 @@ void AttitudeFilter::covariance_step() noexcept {
   s_.error.pull().pass(vec(s_.x.gyr_bias_radps), mat(s_.R_world_body), time_s);
   s_.x.disturbance_rad *= std::exp(-time_s / params_.heading_disturbance_time_s);
   hear_witnesses(time_s);
+  weigh_surprise(time_s);
   measure_motion(time_s);
   s_.since_rest_s += time_s;
   s_.since_gyr_jump_s += time_s;

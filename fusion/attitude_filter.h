@@ -255,6 +255,7 @@ class AttitudeFilter {
   void accelerate(const CalibratedSample& sample, bool usable, double dt_s) noexcept;
   void gather_field(const CalibratedSample& sample) noexcept;
   void covariance_step() noexcept;
+  void weigh_surprise(double time_s) noexcept;
   void measure_motion(double time_s) noexcept;
   [[nodiscard]] bool turns_are_told(const Vec3& up_body) const noexcept;
   void hear_witnesses(double time_s) noexcept;

@@ -23,7 +23,9 @@ constexpr double kKnownTurn_radps = 0.003;  ///< deviation of an offset about th
 
 }  // namespace
 
-void AttitudeFilter::measure_motion(double time_s) noexcept {
+/// (A8a) Hand or vehicle. What surprises of the velocity may be a lean, and an offset of the gyroscope may have made
+/// it.
+void AttitudeFilter::weigh_surprise(double time_s) noexcept {
   const auto& P = s_.error.P();
   const MotionScale::Seen seen{{s_.x.velocity_mps[0], s_.x.velocity_mps[1]},
                                {P(kVelocity, kVelocity), P(kVelocity + 1, kVelocity + 1)},
@@ -39,20 +41,22 @@ void AttitudeFilter::measure_motion(double time_s) noexcept {
     s_.error.add_lean(lean.share, Eigen::Vector2d(lean.tilt_rad.data()), Eigen::Vector2d(lean.velocity_mps.data()));
   }
   s_.since_pause_s += time_s;
+  if (leaning_rad2 == 0.0 || !s_.gyr_heard || s_.since_pause_s <= kPauseTells_s) return;
+  // (A20) One about the vertical leans nothing. Nobody knows an offset less than at the start.
   const Vec3 up = mat(s_.R_world_body).row(2);
-  if (leaning_rad2 > 0.0 && s_.gyr_heard &&
-      s_.since_pause_s > kPauseTells_s) {  // (A20) an offset may have turned it; one about the vertical leans nothing
-    // Nobody knows an offset less than at the start.
-    const double known = 1.0 - seen.gyr_bias_rad2ps2 / (params_.gyr_bias_sd_radps * params_.gyr_bias_sd_radps);
-    const double add = leaning_rad2 / (kLeanTime_s * kLeanTime_s) * std::max(0.0, known);
-    s_.error.P().block<3, 3>(kGyrBias, kGyrBias) += add * (Mat3::Identity() - up * up.transpose());
-  }
+  const double known = 1.0 - seen.gyr_bias_rad2ps2 / (params_.gyr_bias_sd_radps * params_.gyr_bias_sd_radps);
+  const double add = leaning_rad2 / (kLeanTime_s * kLeanTime_s) * std::max(0.0, known);
+  s_.error.P().block<3, 3>(kGyrBias, kGyrBias) += add * (Mat3::Identity() - up * up.transpose());
+}
+
+void AttitudeFilter::measure_motion(double time_s) noexcept {
   // (A8) A quantity that wanders about zero with deviation s and correlation time t has the power density 2 s^2 t.
   const double per_time = 2.0 * params_.motion_time_s / time_s;
   const double speed2 = params_.motion_speed_mps * params_.motion_speed_mps * per_time;
   const double radius2 = params_.motion_radius_m * params_.motion_radius_m * per_time;
   const double speed_scale = s_.motion_scale.speed2() * s_.motion_scale.time();
   const double radius_scale = s_.motion_scale.radius2() * s_.motion_scale.time();
+  const Vec3 up = mat(s_.R_world_body).row(2);
   const bool turns = turns_are_told(up);
   const auto bounded = [&](int index, double value, double variance) {
     turns ? s_.error.update(index, -value, variance) : s_.error.update_but_turns(index, -value, variance, up);
@@ -66,7 +70,7 @@ void AttitudeFilter::measure_motion(double time_s) noexcept {
 }
 
 /// (A36) Who walks on keeps his speed in every turn, and (A8) would rather have turned the world under him. Only a
-/// magnetometer, or an offset that a rest has shown, withstands that.
+/// magnetometer, or an offset that a rest has shown, withstands that. In a vehicle the tilt leans on what turns tell.
 bool AttitudeFilter::turns_are_told(const Vec3& up_body) const noexcept {
   const double offset2 = up_body.dot(s_.error.P().block<3, 3>(kGyrBias, kGyrBias) * up_body);
   return s_.magnetometer_seen || s_.motion_scale.carried() || offset2 < kKnownTurn_radps * kKnownTurn_radps;

@@ -64,6 +64,15 @@ void ErrorState::correct(const ErrorVector& gain, const ErrorVector& Ph, const I
   by_jump().noalias() -= gain * v.by_jump;
 }
 
+void ErrorState::correct_in_part(const ErrorVector& gain, const ErrorVector& Ph, const Innovation& v) noexcept {
+  correct(gain, Ph, v);
+  P().noalias() -= (Ph - v.variance * gain) * gain.transpose();
+}
+
+ErrorState::Innovation ErrorState::innovation(int index, double z, double variance) const noexcept {
+  return {z - mean()(index), P()(index, index) + variance, untold().row(index), by_jump().row(index)};
+}
+
 void ErrorState::weigh_jumps(const Innovation& v) noexcept {
   for (int i = 0; i < kJumps; ++i)
     evidence_[static_cast<std::size_t>(i)].add(v.by_jump.segment<3>(3 * i), v.value, v.variance);
@@ -75,31 +84,28 @@ void ErrorState::update(const ErrorVector& h, double z, double variance, const V
   Innovation v{z - h.dot(mean()), h.dot(Ph) + variance, h.transpose() * untold(), h.transpose() * by_jump()};
   v.untold.head<3>() += iron;
   if (!v.usable()) return;
-  const ErrorVector gain = taught.cwiseProduct(Ph) / v.variance;
-  correct(gain, Ph, v);
-  P().noalias() -= (Ph - v.variance * gain) * gain.transpose();
+  correct_in_part(taught.cwiseProduct(Ph) / v.variance, Ph, v);
   if (taught(kGyrBias) > 0.0) weigh_jumps(v);
 }
 
 void ErrorState::update(int index, double z, double variance) noexcept {
-  const ErrorVector Ph = P().col(index);
-  const Innovation v{z - mean()(index), Ph(index) + variance, untold().row(index), by_jump().row(index)};
+  const Innovation v = innovation(index, z, variance);
   if (!v.usable()) return;
+  const ErrorVector Ph = P().col(index);
   correct(Ph / v.variance, Ph, v);
   weigh_jumps(v);
 }
 
 void ErrorState::update_but_turns(int index, double z, double variance, const Vec3& up_body) noexcept {
-  const ErrorVector Ph = P().col(index);
-  const Innovation v{z - mean()(index), Ph(index) + variance, untold().row(index), by_jump().row(index)};
+  const Innovation v = innovation(index, z, variance);
   if (!v.usable()) return;
+  const ErrorVector Ph = P().col(index);
   ErrorVector gain = Ph / v.variance;
   gain(kTheta + 2) = 0.0;
   const auto forget_vertical = [&](auto rate) { rate -= up_body * up_body.dot(rate); };
   forget_vertical(gain.segment<3>(kGyrBias));
   for (int column = 0; column < 3; ++column) forget_vertical(gain.segment<3>(kGyrMatrix + 3 * column));
-  correct(gain, Ph, v);
-  P().noalias() -= (Ph - v.variance * gain) * gain.transpose();
+  correct_in_part(gain, Ph, v);
   weigh_jumps(v);
 }
 

@@ -143,7 +143,11 @@ class ErrorState {
     Eigen::Matrix<double, 1, 3 * kJumps> by_jump;
     [[nodiscard]] bool usable() const noexcept { return variance > 0.0 && std::isfinite(value * variance); }
   };
+  /// Of x(index) + noise.
+  [[nodiscard]] Innovation innovation(int index, double z, double variance) const noexcept;
   void correct(const ErrorVector& gain, const ErrorVector& Ph, const Innovation& v) noexcept;
+  /// By any gain, not only the optimal one (Joseph's form).
+  void correct_in_part(const ErrorVector& gain, const ErrorVector& Ph, const Innovation& v) noexcept;
   void weigh_jumps(const Innovation& v) noexcept;
   [[nodiscard]] Eigen::Map<const UntoldMatrix> untold() const noexcept {
     return Eigen::Map<const UntoldMatrix>(untold_.data());

@@ -172,13 +172,10 @@ class Cpp final : public Dialect {
 
  private:
   [[nodiscard]] std::string points(const Table& table) const {
-    const auto three = [this](const std::array<std::vector<double>, 3>& v) {
-      return fmt::format("{{{{{}}},\n      {{{}}},\n      {{{}}}}}", list(v[0]), list(v[1]), list(v[2]));
-    };
     return fmt::format(
         "  const std::vector<double> points{{{}}};\n  const std::vector<double> y[3] = {};\n"
         "  const std::vector<double> slope[3] = {};\n",
-        list(table.x), three(table.y), three(table.slope));
+        list(table.x), rows(table.y, '{', '}'), rows(table.slope, '{', '}'));
   }
 };
 

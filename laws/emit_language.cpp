@@ -16,13 +16,22 @@ std::string Dialect::list(const std::vector<double>& values) const {
   return out;
 }
 
+std::string Dialect::rows(const std::array<std::vector<double>, 3>& values, char open, char close) const {
+  std::string out;
+  for (const auto& row : values)
+    out += fmt::format("{}{}{}{}", out.empty() ? "" : ",\n        ", open, list(row), close);
+  return open + out + close;
+}
+
 std::string Dialect::numbers(const Coupled& law, std::size_t first, std::size_t count) const {
   const auto begin = law.matrix.begin() + static_cast<std::ptrdiff_t>(first);
   return list({begin, begin + static_cast<std::ptrdiff_t>(count)});
 }
 
 std::vector<std::string> Dialect::words(const Coupled& law, const Names& drivers) const {
-  const char* makes = law.table ? "what a table has at" : law.has_matrix ? "a matrix times" : "k times";
+  const char* makes = law.table        ? "what a table has (beyond its points the end value) at"
+                      : law.has_matrix ? "a matrix times"
+                                       : "k times";
   std::vector<std::string> out{fmt::format("Adds to the {} (in {}), row by row: {}", law.sensor, law.unit, makes),
                                "  " + text(law.tree),
                                "t: seconds, increasing" + std::string(drivers.empty() ? "" : "; drivers:")};

@@ -32,6 +32,8 @@ class Dialect {
   [[nodiscard]] std::string numbers(const Coupled& law, std::size_t first, std::size_t count) const;
   /// "1.0, 2.0, 3.0"
   [[nodiscard]] std::string list(const std::vector<double>& values) const;
+  /// Three such lists within these brackets.
+  [[nodiscard]] std::string rows(const std::array<std::vector<double>, 3>& values, char open, char close) const;
   /// What stands above the function, one line each.
   [[nodiscard]] std::vector<std::string> words(const Coupled& law, const Names& drivers) const;
 };

@@ -113,6 +113,7 @@ class Matlab final : public Dialect {
                          list(table.slope[c]), vector ? c + 1 : 1);
     return out;
   }
+
   /// "(1.0 / x)" of the shared walk is a division of columns here.
   static std::string elementwise(std::string b) {
     if (b.rfind("(1.0 / ", 0) == 0) b.replace(0, 7, "(1.0 ./ ");

@@ -163,12 +163,10 @@ class Python final : public Dialect {
 
  private:
   [[nodiscard]] std::string points(const Table& table) const {
-    const auto three = [this](const std::array<std::vector<double>, 3>& v) {
-      return fmt::format("[[{}],\n        [{}],\n        [{}]]", list(v[0]), list(v[1]), list(v[2]));
-    };
-    return fmt::format("    points = [{}]\n    y = {}\n    slope = {}\n", list(table.x), three(table.y),
-                       three(table.slope));
+    return fmt::format("    points = [{}]\n    y = {}\n    slope = {}\n", list(table.x), rows(table.y, '[', ']'),
+                       rows(table.slope, '[', ']'));
   }
+
   static std::string each(const std::string& of_c, const std::string& a, bool vector) {
     return vector ? fmt::format("[{} for c in {}]", of_c, a) : fmt::format("(lambda c: {})({})", of_c, a);
   }

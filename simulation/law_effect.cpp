@@ -13,18 +13,11 @@ const std::vector<double>* numbers(const EffectConfig& e, const char* key) {
   return it == e.parameters.end() || it->second.empty() ? nullptr : &it->second;
 }
 
-/// The table's points, axis by axis.
-std::vector<double> points(const EffectConfig& table, std::size_t axis) {
-  const auto &x = *numbers(table, "x"), &y = *numbers(table, "y");
-  const auto begin = y.begin() + static_cast<std::ptrdiff_t>(axis * x.size());
-  return {begin, begin + static_cast<std::ptrdiff_t>(x.size())};
-}
-
 laws::Table table_of(const EffectConfig& e) {
   laws::Table out{*numbers(e, "x"), {}, {}};
   const auto curves = curves_of(e);
   for (std::size_t axis = 0; axis < 3; ++axis) {
-    out.y[axis] = points(e, axis);
+    out.y[axis] = curves[axis].values();
     out.slope[axis] = curves[axis].slopes();
   }
   return out;
@@ -112,8 +105,12 @@ double Curve::at(double x) const noexcept {
 }
 
 std::array<Curve, 3> curves_of(const EffectConfig& table) {
-  const std::vector<double>& x = *numbers(table, "x");
-  return {Curve(x, points(table, 0)), Curve(x, points(table, 1)), Curve(x, points(table, 2))};
+  const auto &x = *numbers(table, "x"), &y = *numbers(table, "y");
+  const auto row = [&](std::size_t axis) {
+    const auto begin = y.begin() + static_cast<std::ptrdiff_t>(axis * x.size());
+    return Curve(x, {begin, begin + static_cast<std::ptrdiff_t>(x.size())});
+  };
+  return {row(0), row(1), row(2)};
 }
 
 LawEffect::LawEffect(const EffectConfig& e) : stream_(checked_tree(e)) {

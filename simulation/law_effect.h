@@ -37,6 +37,7 @@ class Curve {
   Curve(std::vector<double> x, std::vector<double> y);  ///< Pre: two points at least, x increasing
   [[nodiscard]] double at(double x) const noexcept;
   [[nodiscard]] bool covers(double x) const noexcept { return x >= x_.front() && x <= x_.back(); }
+  [[nodiscard]] const std::vector<double>& values() const noexcept { return y_; }      ///< at the points
   [[nodiscard]] const std::vector<double>& slopes() const noexcept { return slope_; }  ///< at the points
 
  private:

@@ -37,7 +37,8 @@ void refine_clocks(const Course& log, const Course& recording, Clocks& clocks);
 /// steps, with as many readings beside them as a difference takes in.
 [[nodiscard]] Mask unread_at_rows_of(const Course& recording, const Course& log, const Clocks& clocks);
 
-/// The log at the times of the recording's rows; a straight line where it was not read, the end values beyond its ends.
+/// The log at the times of the recording's rows; a straight line where it was not read, as unread_at_rows_of() says,
+/// the end values beyond its ends.
 [[nodiscard]] Series3 at_rows_of(const Course& recording, const Course& log, const Clocks& clocks, const Mask& unread);
 
 }  // namespace stillpoint::diag
