@@ -88,12 +88,18 @@ double GravityTurns::gravity_turn_rad() const noexcept {
   return std::acos(std::clamp(first.normalized().dot(last.normalized()), -1.0, 1.0));
 }
 
+double GravityTurns::usual_gyr_noise2() const noexcept {
+  std::array<double, kBlocks> each{};
+  std::transform(blocks_.begin(), blocks_.end(), each.begin(), [](const Block& b) { return b.gyr_noise2; });
+  std::nth_element(each.begin(), each.begin() + kBlocks / 2, each.end());
+  return each[kBlocks / 2];
+}
+
 TurnsFit GravityTurns::fit() const noexcept {
   Vec3 mean_turn = Vec3::Zero(), mean_force = Vec3::Zero();
-  double seconds = 0.0, acc_noise2 = 0.0, gyr_noise2 = 0.0;
+  double seconds = 0.0, acc_noise2 = 0.0;
   for (const Block& b : blocks_) {
     acc_noise2 += b.acc_noise2 / kBlocks;
-    gyr_noise2 += b.gyr_noise2 / kBlocks;
     mean_turn += vec(b.turn_rad) / kBlocks;
     mean_force += vec(b.force) / kBlocks;
     seconds += b.seconds;
@@ -129,7 +135,7 @@ TurnsFit GravityTurns::fit() const noexcept {
     out.unrest_radps += (vec(b.turn_rad) - mean_turn).norm() / seconds;
   }
   out.gravity_turn_rad = gravity_turn_rad();
-  out.gyr_noise_radps = std::sqrt(gyr_noise2);
+  out.gyr_noise_radps = std::sqrt(usual_gyr_noise2());
   out.acc_noise_share = std::sqrt(acc_noise2) / mean_force.norm();
   return out;
 }

@@ -18,7 +18,7 @@ struct TurnsFit {
   double unrest_radps = 0.0;      ///< of the rate, from block to block
   double gravity_turn_rad = 0.0;  ///< from the first quarter to the last; 0 unless both are about as strong as gravity
   double gyr_turn_rad = 0.0;      ///< the way that the gyroscope tells meanwhile
-  double gyr_noise_radps = 0.0;   ///< that no smooth motion explains
+  double gyr_noise_radps = 0.0;   ///< that no smooth motion explains, in half of the blocks at least
   double acc_noise_share = 0.0;   ///< the same of the accelerometer, over gravity
 };
 
@@ -51,6 +51,8 @@ class GravityTurns {
   /// 0 is the oldest.
   [[nodiscard]] const Block& block(std::size_t i) const noexcept { return blocks_[(newest_ + 1 + i) % kBlocks]; }
   [[nodiscard]] double gravity_turn_rad() const noexcept;
+  /// Of the median block: a knock is no noise.
+  [[nodiscard]] double usual_gyr_noise2() const noexcept;
 
   std::array<Block, kBlocks> blocks_{};
   std::size_t filled_ = 0, newest_ = 0, fresh_ = 0;

@@ -27,6 +27,7 @@ constexpr double kToldRight = 0.3;            // explained: enough to see that a
 constexpr double kFactor = 8.0;               // off by more: no scale error, no lever arm
 constexpr double kLargestOffset_radps = 1.0;  // 57 deg/s; the worst data sheets say 40
 constexpr double kTurned_rad = 0.8;
+constexpr double kNoAcceleration = 0.9;  // `held` of gravity whose directions spread by 25 degrees: it has turned
 constexpr double kHeld = 0.95, kStill = 0.999;
 constexpr double kLoudGyr_radps = 0.03, kQuietAccShare = 0.02;
 constexpr double kLargestRate_radps = 72.0;  // beyond 4000 deg/s, the largest range there is
@@ -222,7 +223,9 @@ void PlausibilityCheck::judge_gravity_turns(std::int64_t t_ns) noexcept {
   if (const Finding* const time = found(Oddity::kTimeScale); time != nullptr && time->stands) return;
   const TurnsFit fit = turns_.fit();
   const bool related = fit.explained > kExplained && fit.turned_rad2 > kLeastTurned_rad2;
-  const bool off = related && (std::abs(fit.scale) < 1.0 / kFactor || std::abs(fit.scale) > kFactor);
+  // A car that gathers speed dips by a tenth of the angle by which its acceleration tilts the force.
+  const bool too_little = std::abs(fit.scale) > kFactor && fit.held < kNoAcceleration;
+  const bool off = related && (std::abs(fit.scale) < 1.0 / kFactor || too_little);
   // At such a rate gravity would have gone all the way round in the 6.4 s.
   const bool spins = fit.held > kHeld && fit.level_rate_radps > kLargestOffset_radps;
   const bool loud = fit.held > kStill && fit.gyr_noise_radps > std::max(kLoudGyr_radps, fit.unrest_radps) &&

@@ -147,8 +147,8 @@ TEST(Plausibility, RadiansTakenForDegreesShowWhenGravityTurnsAndTheGyroscopeDoes
 }
 
 /// What is found in `n` rows of a sensor that lies level, but for what `gyr_of(time in s, noise)` and `acc_x` say.
-template <class Rate>
-std::vector<Finding> lying_level(int n, std::int64_t period_ns, const Rate& gyr_of, double acc_x = 0.0) {
+template <class Rate, class Force>
+std::vector<Finding> lying_level(int n, std::int64_t period_ns, const Rate& gyr_of, const Force& acc_x_of) {
   PlausibilityCheck check;
   std::mt19937 random(3);
   std::normal_distribution<double> normal;
@@ -157,11 +157,16 @@ std::vector<Finding> lying_level(int n, std::int64_t period_ns, const Rate& gyr_
     RawSample s;
     s.t_ns = period_ns * k;
     s.has = kAcc | kGyr;
-    s.acc_mps2 = {acc_x + 0.03 * noise(), 0.03 * noise(), 9.8 + 0.03 * noise()};
+    s.acc_mps2 = {acc_x_of(in_seconds(s.t_ns)) + 0.03 * noise(), 0.03 * noise(), 9.8 + 0.03 * noise()};
     s.gyr_radps = gyr_of(in_seconds(s.t_ns), noise);
     check.push(s);
   }
   return {check.findings().begin(), check.findings().end()};
+}
+
+template <class Rate>
+std::vector<Finding> lying_level(int n, std::int64_t period_ns, const Rate& gyr_of, double acc_x = 0.0) {
+  return lying_level(n, period_ns, gyr_of, [acc_x](double) { return acc_x; });
 }
 
 TEST(Plausibility, ASensorAtRestThatGivesDegreesIsFoundByItsOffset) {
@@ -188,6 +193,25 @@ TEST(Plausibility, AQuickTurnAboutTheVerticalIsNoNoiseOfASensorInDegrees) {
     return {0.002 * noise(), 0.002 * noise(), rate + 0.002 * noise()};
   };
   EXPECT_TRUE(lying_level(3000, 40'000'000, trembling).empty());
+}
+
+/// A car gathers speed and brakes again, 3 m/s^2 at most, and its springs give way by 0.012 rad for each m/s^2.
+TEST(Plausibility, ACarThatDipsAsItGathersSpeedIsNoGyroscopeThatReadsTooLittle) {
+  const double w = 2.0 * std::numbers::pi / 12.0;
+  const auto dips = [w](double t_s, auto& noise) -> Array3 {
+    return {0.002 * noise(), -0.012 * 3.0 * w * std::cos(w * t_s) + 0.002 * noise(), 0.002 * noise()};
+  };
+  const auto acc = [w](double t_s) { return (1.0 + 0.012 * kStandardGravity_mps2) * 3.0 * std::sin(w * t_s); };
+  EXPECT_TRUE(lying_level(6000, 10'000'000, dips, acc).empty());
+}
+
+/// A bicycle that starts falls upright at once, and lies still before and after it.
+TEST(Plausibility, AKnockIsNoNoiseOfASensorInDegrees) {
+  const auto knocked = [](double t_s, auto& noise) -> Array3 {
+    const double since_s = std::fmod(t_s, 5.0);
+    return {0.002 * noise(), 0.002 * noise(), (since_s < 0.02 ? 1.0 : since_s < 0.04 ? -1.0 : 0.0) + 0.002 * noise()};
+  };
+  EXPECT_TRUE(lying_level(3000, 10'000'000, knocked).empty());
 }
 
 TEST(Plausibility, RepeatsAndClocksThatDoNotRunAreNamed) {
