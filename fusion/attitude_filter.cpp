@@ -87,12 +87,12 @@ AttitudeEstimate AttitudeFilter::step(const CalibratedSample& sample, bool at_re
   judge(sample, acc, gyr, dt_s);
   if (pause) {
     bridge(sample, gyr, acc, dt_s);
-    s_.since_pause_s = 0.0;
     if (!s_.regained) s_.status = AttitudeStatus::kDegraded;
   } else {
     turn(sample, gyr, dt_s);
     accelerate(sample, acc, dt_s);
   }
+  if (pause || !gyr) s_.since_pause_s = 0.0;  // either turns the body unseen
   gather_field(sample);
   s_.sums.motion.time_s += dt_s;
   s_.sums.moved |= !at_rest;

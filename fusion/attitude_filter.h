@@ -272,6 +272,7 @@ class AttitudeFilter {
   void start_heading(const HeadingReading& reading) noexcept;
   void follow_iron(const Vec3& seen, const Mat3& R_mean, double time_s) noexcept;
   [[nodiscard]] bool heading_unknown() const noexcept;
+  [[nodiscard]] double carried_rad2() const noexcept;
   [[nodiscard]] ErrorVector taught_by_heading(const HeadingReading& reading, double expected_rad2) const noexcept;
   void measure_heading(const HeadingReading& reading, double time_s) noexcept;
   void inject() noexcept;

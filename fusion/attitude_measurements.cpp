@@ -12,6 +12,7 @@ namespace {
 constexpr double kLeanTime_s = 3.0;     ///< within which an offset has made a lean that motion shows
 constexpr double kPauseTells_s = 10.0;  ///< a lean within it is what the pause left
 constexpr double kRestSurprise = 16.0;  ///< of a chi-square of three: one in a thousand at true rest
+constexpr double kRideSurprise = 3.0;   ///< its mean
 constexpr double kRestDoubt_s = 1.0;    ///< the rest detector has seen the motion by then
 constexpr double kRestInsists_s = 3.0;  ///< the detector's own windows are shorter
 constexpr double kRestLean = 6.0;       ///< mean of a chi-square of two: one in four hundred
@@ -20,6 +21,16 @@ constexpr double kLearnAnew_s = 10.0;   ///< after so long everything is, and fo
 constexpr double kDoubtIn_s = 1.0;
 constexpr double kBeyondPrior = 3.0;        ///< standard deviations of an offset
 constexpr double kKnownTurn_radps = 0.003;  ///< deviation of an offset about the vertical that a rest leaves
+constexpr double kTaughtOfKnown = 0.5;      ///< share of (A37)
+static_assert(kAccBias == kGyrBias + 3);
+
+/// (A36) Not the heading, nor of offset and matrix of the gyroscope what turns about `up_body`.
+void forget_turns(ErrorVector& gain, const Vec3& up_body) noexcept {
+  gain(kTheta + 2) = 0.0;
+  const auto forget_vertical = [&](auto rate) { rate -= up_body * up_body.dot(rate); };
+  forget_vertical(gain.segment<3>(kGyrBias));
+  for (int column = 0; column < 3; ++column) forget_vertical(gain.segment<3>(kGyrMatrix + 3 * column));
+}
 
 }  // namespace
 
@@ -31,7 +42,8 @@ void AttitudeFilter::weigh_surprise(double time_s) noexcept {
                                {P(kVelocity, kVelocity), P(kVelocity + 1, kVelocity + 1)},
                                array(Vec3(vec(s_.sums.motion.force) / time_s)),
                                0.5 * s_.error.tilt_rad2(),
-                               P.diagonal().segment<3>(kGyrBias).mean()};
+                               s_.error.gyr_bias_rad2ps2(),
+                               s_.since_pause_s <= kPauseTells_s};
   const MotionScale::Lean lean =
       s_.motion_scale.observe(seen, {params_.motion_speed_mps, params_.motion_time_s}, time_s);
   const double leaning_rad2 = lean.rad2();
@@ -41,7 +53,7 @@ void AttitudeFilter::weigh_surprise(double time_s) noexcept {
     s_.error.add_lean(lean.share, Eigen::Vector2d(lean.tilt_rad.data()), Eigen::Vector2d(lean.velocity_mps.data()));
   }
   s_.since_pause_s += time_s;
-  if (leaning_rad2 == 0.0 || !s_.gyr_heard || s_.since_pause_s <= kPauseTells_s) return;
+  if (leaning_rad2 == 0.0 || s_.since_pause_s <= kPauseTells_s) return;
   // (A20) One about the vertical leans nothing. Nobody knows an offset less than at the start.
   const Vec3 up = mat(s_.R_world_body).row(2);
   const double known = 1.0 - seen.gyr_bias_rad2ps2 / (params_.gyr_bias_sd_radps * params_.gyr_bias_sd_radps);
@@ -57,9 +69,13 @@ void AttitudeFilter::measure_motion(double time_s) noexcept {
   const double speed_scale = s_.motion_scale.speed2() * s_.motion_scale.time();
   const double radius_scale = s_.motion_scale.radius2() * s_.motion_scale.time();
   const Vec3 up = mat(s_.R_world_body).row(2);
-  const bool turns = turns_are_told(up);
+  const bool turns = turns_are_told(up), offset_known = s_.motion_scale.offset_known();
+  const auto limit = [&](ErrorVector& gain) {
+    if (!turns) forget_turns(gain, up);
+    if (offset_known) gain.segment<6>(kGyrBias) *= kTaughtOfKnown;
+  };
   const auto bounded = [&](int index, double value, double variance) {
-    turns ? s_.error.update(index, -value, variance) : s_.error.update_but_turns(index, -value, variance, up);
+    turns && !offset_known ? s_.error.update(index, -value, variance) : s_.error.update(index, -value, variance, limit);
   };
   for (int i = 0; i < 3; ++i) {
     const auto at = static_cast<std::size_t>(i);
@@ -155,7 +171,9 @@ void AttitudeFilter::doubt_motion(double time_s, double rest_speed2) noexcept {
   Mat3 expected = s_.error.P().block<3, 3>(kVelocity, kVelocity);
   expected.diagonal().array() += rest_speed2;
   const Vec3 velocity = vec(s_.x.velocity_mps) + s_.error.mean().segment<3>(kVelocity);
-  if (velocity.dot(expected.llt().solve(velocity)) < kRestSurprise) return;
+  // (A37) What has bounded a ride was untrue of it, and so is what its velocity goes with.
+  const double surprise = s_.motion_scale.carried() ? kRideSurprise : kRestSurprise;
+  if (velocity.dot(expected.llt().solve(velocity)) < surprise) return;
   (void)s_.error.take_mean();  // what the velocity has corrected in this period
   s_.x.velocity_mps = {};
   const Vec3 lean = vec(s_.sums.motion.force) / (time_s * kStandardGravity_mps2);

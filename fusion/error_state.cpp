@@ -96,19 +96,6 @@ void ErrorState::update(int index, double z, double variance) noexcept {
   weigh_jumps(v);
 }
 
-void ErrorState::update_but_turns(int index, double z, double variance, const Vec3& up_body) noexcept {
-  const Innovation v = innovation(index, z, variance);
-  if (!v.usable()) return;
-  const ErrorVector Ph = P().col(index);
-  ErrorVector gain = Ph / v.variance;
-  gain(kTheta + 2) = 0.0;
-  const auto forget_vertical = [&](auto rate) { rate -= up_body * up_body.dot(rate); };
-  forget_vertical(gain.segment<3>(kGyrBias));
-  for (int column = 0; column < 3; ++column) forget_vertical(gain.segment<3>(kGyrMatrix + 3 * column));
-  correct_in_part(gain, Ph, v);
-  weigh_jumps(v);
-}
-
 void ErrorState::begin_jump(int jump, int first) noexcept {
   auto columns = by_jump().middleCols<3>(3 * jump);
   columns.setZero();

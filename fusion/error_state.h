@@ -89,6 +89,9 @@ class ErrorState {
   /// Variance of the tilt, rad^2: about both horizontal axes.
   [[nodiscard]] double tilt_rad2() const noexcept { return P()(kTheta, kTheta) + P()(kTheta + 1, kTheta + 1); }
 
+  /// Variance of the gyroscope's offset, per axis: the mean of the three.
+  [[nodiscard]] double gyr_bias_rad2ps2() const noexcept { return P().diagonal().segment<3>(kGyrBias).mean(); }
+
   /// Independent errors with these standard deviations.
   void start(const ErrorVector& sd) noexcept;
 
@@ -108,9 +111,17 @@ class ErrorState {
               const ErrorVector& taught = ErrorVector::Ones()) noexcept;
   /// The same for z = x(index) + noise.
   void update(int index, double z, double variance) noexcept;
-  /// The same, and of a turn about the vertical nothing is learnt (A36): not the heading, nor of offset and matrix of
-  /// the gyroscope what turns about `up_body`.
-  void update_but_turns(int index, double z, double variance, const Vec3& up_body) noexcept;
+  /// The same with the gain that `limit` leaves of the optimal one (Joseph's form): what is not to be learnt of it.
+  template <class Limit>
+  void update(int index, double z, double variance, const Limit& limit) noexcept {
+    const Innovation v = innovation(index, z, variance);
+    if (!v.usable()) return;
+    const ErrorVector Ph = P().col(index);
+    ErrorVector gain = Ph / v.variance;
+    limit(gain);
+    correct_in_part(gain, Ph, v);
+    weigh_jumps(v);
+  }
 
   /// Adds variance to one error; what was known of its correlations stays.
   void add_variance(int index, double variance) noexcept {

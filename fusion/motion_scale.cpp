@@ -13,6 +13,7 @@ constexpr double kSurprisingMotion = 9.0;  ///< chi-square of one: three standar
 constexpr double kLeftOver = 2.0;          ///< what the surprise is brought down to: one jump does not settle it
 constexpr double kRideMemory_s = 20.0;     ///< a car stops at lights and goes on
 constexpr double kLargest = 1e8;           ///< ten thousand times the usual speed
+constexpr double kRide_mps2 = 2.0;         ///< what a car or a train gathers speed by
 constexpr double kForceTime_s = 2.0;
 constexpr double kForceNoise_mps2 = 0.15;  ///< offset of an accelerometer, and what two seconds leave of a motion
 constexpr double kMostOdds = 6.0;          ///< log; nothing is certain
@@ -28,8 +29,9 @@ constexpr double kSwing_s = 1.0;  ///< slower than a stride or a stroke of the a
 constexpr double kSwingMemory_s = 5.0;
 constexpr double kBounceTime_s = 0.5;  ///< a runner's level speed, per axis, over the deviation of the force upwards
 constexpr double kRunning2 = 16.0;     ///< m^2/s^2, per axis: 4 m/s
-constexpr double kKnownOffset_radps = 0.01;  ///< deviation: what is known so well is not unlearnt by a stride
-constexpr double kUpright_rad2 = 0.04;       ///< of the tilt: beyond it nobody knows where up is
+constexpr double kKnownOffset_radps = 0.0017;  ///< as a rest leaves it, and ten minutes of its walk: 0.1 deg/s
+constexpr double kFirmOffset_radps = 0.01;     ///< deviation: what is known so well is not unlearnt by a stride
+constexpr double kUpright_rad2 = 0.04;         ///< of the tilt: beyond it nobody knows where up is
 constexpr double kSwingPeak2 = 9.0;  ///< a bound that a swing of that mean square seldom leaves: three deviations
 
 void follow(double& mean, double x, double period_s, double memory_s) {
@@ -51,7 +53,7 @@ void MotionScale::rest() noexcept {
   const double odds = log_odds_;
   *this = {};
   log_odds_ = odds;
-  rested_ = true;
+  rested_ = offset_known_ = true;
 }
 
 double MotionScale::vehicle(double lean2, double tilt_rad2) const noexcept {
@@ -79,7 +81,7 @@ void MotionScale::follow_swing(const Seen& seen, double usual_mps, double period
   follow(swing_m2ps2_, std::max(0.0, swing), period_s, kSwingMemory_s);
   follow_bounce(seen, period_s);
   // A bound too wide costs the tilt little; one too tight teaches an offset that nobody knows yet the runner's rounds.
-  const double unknown = seen.gyr_bias_rad2ps2 / (seen.gyr_bias_rad2ps2 + kKnownOffset_radps * kKnownOffset_radps);
+  const double unknown = seen.gyr_bias_rad2ps2 / (seen.gyr_bias_rad2ps2 + kFirmOffset_radps * kFirmOffset_radps);
   const double swings = std::max(kSwingPeak2 * swing_m2ps2_,
                                  unknown * std::min(kRunning2, kBounceTime_s * kBounceTime_s * bounce_m2ps4_));
   swing_ = std::clamp(swings / (usual_mps * usual_mps), 1.0, kLargest);
@@ -108,7 +110,16 @@ void MotionScale::weigh(const std::array<double, 3>& force_mps2, double period_s
   log_odds_ = std::clamp(log_odds_, -kMostOdds, kMostOdds);
 }
 
+double MotionScale::carried_rad2() const noexcept {
+  const double g2 = kStandardGravity_mps2 * kStandardGravity_mps2;
+  const double odds = 1.0 / (1.0 + std::exp(-(log_odds_ + kVehicleOdds)));
+  const auto& f = mean_force_mps2_;
+  const double beyond_gravity = f[0] * f[0] + f[1] * f[1] + f[2] * f[2] - g2;
+  return (carried() ? std::max(0.5, odds) : odds) * std::max(kRide_mps2 * kRide_mps2, beyond_gravity) / (2.0 * g2);
+}
+
 MotionScale::Lean MotionScale::observe(const Seen& seen, const Usual& usual, double period_s) noexcept {
+  if (seen.gyr_bias_rad2ps2 > kKnownOffset_radps * kKnownOffset_radps) offset_known_ = false;
   weigh(seen.force_mps2, period_s);
   for (std::size_t i = 0; i < 2; ++i) follow(lasting_force_mps2_[i], seen.force_mps2[i], period_s, kLasting_s);
   follow_swing(seen, usual.speed_mps, period_s);
@@ -127,9 +138,10 @@ MotionScale::Lean MotionScale::observe(const Seen& seen, const Usual& usual, dou
     const double level2 = mean_force_mps2_[0] * mean_force_mps2_[0] + mean_force_mps2_[1] * mean_force_mps2_[1];
     const double lean2 = level2 / (kStandardGravity_mps2 * kStandardGravity_mps2);
     const double of_vehicle = vehicle(lean2, seen.tilt_rad2);
+    const bool may_lean = !offset_known_ || seen.turned_unseen;
     if (!rested_) excused_s_ += (1.0 - of_vehicle) * period_s;
     if (of_vehicle > 0.5 || excused_s_ > kExcused_s) scale_ = std::min(kLargest, scale_ * surprise / kLeftOver);
-    lean.share = (1.0 - of_vehicle) * blend;  // by what the hand has of the odds
+    if (may_lean) lean.share = (1.0 - of_vehicle) * blend;  // by what the hand has of the odds
     lean.tilt_rad = {mean_force_mps2_[1] / kStandardGravity_mps2, -mean_force_mps2_[0] / kStandardGravity_mps2};
     lean.velocity_mps = {-seen.velocity_mps[0], -seen.velocity_mps[1]};
     lean.any_way = !rested_;

@@ -21,15 +21,16 @@ class MotionScale {
     std::array<double, 3> force_mps2;  ///< mean of the period, world axes
     double tilt_rad2;                  ///< variance of the tilt, per axis
     double gyr_bias_rad2ps2;           ///< variance of the gyroscope's offset, per axis
+    bool turned_unseen = false;        ///< by a gyroscope that was silent: what leans is what that left
   };
 
   /// A hand would owe the surprise to an attitude that leans, and has leant for as long as the velocity took to grow:
   /// these errors, about and towards east and north, and the share of their squares to be added to what the filter
-  /// thinks of its own.
+  /// thinks of its own. None where a rest has shown the gyroscope's offset (A37).
   struct Lean {
     double share = 0.0;
     std::array<double, 2> tilt_rad{}, velocity_mps{};
-    bool any_way = false;  ///< an offset that nobody knows leans it, any way and at any time
+    bool any_way = false;  ///< an offset that nobody ever knew leans it, any way and at any time
     [[nodiscard]] double rad2() const noexcept {
       return share * (tilt_rad[0] * tilt_rad[0] + tilt_rad[1] * tilt_rad[1]);
     }
@@ -45,6 +46,13 @@ class MotionScale {
   /// (A30) Variance of the tilt [rad^2, world axes] that stands for the other answer: a force that has long been
   /// horizontal and is called an acceleration, where the attitude leans. `tilt_rad2` is what else is known of the tilt.
   [[nodiscard]] Mat3 leaning_rad2(double tilt_rad2) const noexcept;
+
+  /// (A38) Variance of the tilt, per axis, of a body that may be carried: a vehicle's acceleration may last, and be
+  /// taken for gravity. For one that has not turned over and whose gyroscope's offset nobody knows.
+  [[nodiscard]] double carried_rad2() const noexcept;
+
+  /// (A37) A rest has shown the gyroscope's offset, and it has not become unknown since.
+  [[nodiscard]] bool offset_known() const noexcept { return offset_known_; }
 
   /// By a vehicle, as far as anybody can tell.
   [[nodiscard]] bool carried() const noexcept;
@@ -72,7 +80,7 @@ class MotionScale {
   double force_s_ = 0.0;
   double log_odds_ = 0.0;   ///< vehicle over leaning tilt
   double excused_s_ = 0.0;  ///< for so long a lean had to excuse the surprise
-  bool rested_ = false;     ///< so the gyroscope's offset is known, and excuses nothing
+  bool rested_ = false, offset_known_ = false;
 };
 
 }  // namespace stillpoint::fusion

@@ -59,6 +59,10 @@ void OffsetJumps::end_windows(ErrorState& error, double period_s) noexcept {
   }
 }
 
+double OffsetJumps::still() const noexcept {
+  return std::max(0.0, 1.0 - (1.0 - vec(mean_up_).squaredNorm()) / kSpread);
+}
+
 OffsetJumps::Verdict OffsetJumps::observe(ErrorState& error, const Vec3& up_body, bool carried,
                                           double period_s) noexcept {
   end_windows(error, period_s);
@@ -67,9 +71,9 @@ OffsetJumps::Verdict OffsetJumps::observe(ErrorState& error, const Vec3& up_body
   doubt_rad2_ = {};
   // Innovations are no white noise: a hand's next swing follows from its last. What they usually make of it counts.
   const double usual = std::max(kLeastUsual, usual_);
-  const double still = std::max(0.0, 1.0 - (1.0 - vec(mean_up_).squaredNorm()) / kSpread);
+  const double unlikely_alike = kUnlikelyAlike * still();
   const auto believable = [&](const Candidate& c) {
-    return c.surprise > kPriorSurprise + kUnlikelyAlike * (of_gyroscope(c.jump) && carried ? 1.0 : still);
+    return c.surprise > kPriorSurprise + (of_gyroscope(c.jump) && carried ? kUnlikelyAlike : unlikely_alike);
   };
   Candidate likeliest;
   for (int jump = 0; jump < kJumps; ++jump) {

@@ -24,6 +24,9 @@ class OffsetJumps {
   /// Variance of the rotation by a jump that may have been and is not believed yet [rad^2, world axes].
   [[nodiscard]] const Array9& doubt_rad2() const noexcept { return doubt_rad2_; }
 
+  /// 1 of a body whose vertical has stayed within a degree or two for a window, 0 of one that turns over.
+  [[nodiscard]] double still() const noexcept;
+
  private:
   struct Candidate {
     int jump = 0;
