@@ -244,6 +244,7 @@ void AttitudeFilter::covariance_step() noexcept {
   const double tilt2 = s_.error.tilt_rad2();
   s_.regained &= s_.gyr_heard || tilt2 < kLostTilt_rad * kLostTilt_rad;
   s_.regained |= tilt2 < kRegained_rad * kRegained_rad;
+  state_ride();
   mat(s_.unlearnt_rad2) = s_.error.unlearnt_rad2(s_.gyr_unlearnt2);
   mat(s_.iron_rad2) = s_.error.iron_rad2(s_.hard_iron.left_uT2(params_.hard_iron));
   const Eigen::RowVector3d turned = s_.error.by_iron().row(kTheta + 2).head<3>();  // the heading, per uT of iron

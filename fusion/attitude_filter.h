@@ -204,8 +204,9 @@ class AttitudeFilter {
     Array3 rate_radps{};                             ///< last corrected rate, for bridging
     Array3 force_world_mps2{};                       ///< last one, for bridging
     Array3 last_field_uT{};                          ///< last reading, to tell a held value from a new one
-    Array9 iron_rad2{};      ///< what an untrue hard iron may have done to the attitude, world axes
-    Array9 unlearnt_rad2{};  ///< and what the gyroscope's matrix has
+    Array9 iron_rad2{};         ///< what an untrue hard iron may have done to the attitude, world axes
+    Array9 unlearnt_rad2{};     ///< and what the gyroscope's matrix has
+    double carried_rad2 = 0.0;  ///< (A38) and a vehicle, about each horizontal axis
     Repetition acc_repeats, gyr_repeats;
     StraightLine gyr_line;
     double temp_degC = 25.0;
@@ -258,6 +259,7 @@ class AttitudeFilter {
   void weigh_surprise(double time_s) noexcept;
   void measure_motion(double time_s) noexcept;
   [[nodiscard]] bool turns_are_told(const Vec3& up_body) const noexcept;
+  void state_ride() noexcept;
   void hear_witnesses(double time_s) noexcept;
   void judge_jumps(double time_s) noexcept;
   void measure_rest(double time_s) noexcept;
@@ -272,7 +274,6 @@ class AttitudeFilter {
   void start_heading(const HeadingReading& reading) noexcept;
   void follow_iron(const Vec3& seen, const Mat3& R_mean, double time_s) noexcept;
   [[nodiscard]] bool heading_unknown() const noexcept;
-  [[nodiscard]] double carried_rad2() const noexcept;
   [[nodiscard]] ErrorVector taught_by_heading(const HeadingReading& reading, double expected_rad2) const noexcept;
   void measure_heading(const HeadingReading& reading, double time_s) noexcept;
   void inject() noexcept;

@@ -92,6 +92,13 @@ bool AttitudeFilter::turns_are_told(const Vec3& up_body) const noexcept {
   return s_.magnetometer_seen || s_.motion_scale.carried() || offset2 < kKnownTurn_radps * kKnownTurn_radps;
 }
 
+void AttitudeFilter::state_ride() noexcept {
+  const Vec3 up = mat(s_.R_world_body).row(2);
+  const auto offset2 = s_.error.P().block<3, 3>(kGyrBias, kGyrBias);
+  const double level2 = 0.5 * (offset2.trace() - up.dot(offset2 * up));
+  s_.carried_rad2 = s_.jumps.still() * s_.motion_scale.carried_rad2(level2);
+}
+
 /// (A25) Both deny the attitude: it may be off by what gravity leans, and what was learnt of the sensors is void, as is
 /// what they would teach now.
 void AttitudeFilter::hear_witnesses(double time_s) noexcept {

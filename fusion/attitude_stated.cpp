@@ -11,10 +11,9 @@
 namespace stillpoint::fusion {
 namespace {
 
-constexpr double kJumpTold_s = 10.0;          ///< long enough for whoever looks every few seconds
-constexpr double kMagneticMemory_s = 2.0;     ///< a heading trusted this long ago still counts as magnetic
-constexpr double kKnownLevel_radps = 0.0017;  ///< of an offset across the vertical: a degree in ten seconds
-constexpr double kNoMagnetometer_s = 1.0;     ///< after this long without a reading there is none
+constexpr double kJumpTold_s = 10.0;       ///< long enough for whoever looks every few seconds
+constexpr double kMagneticMemory_s = 2.0;  ///< a heading trusted this long ago still counts as magnetic
+constexpr double kNoMagnetometer_s = 1.0;  ///< after this long without a reading there is none
 
 }  // namespace
 
@@ -34,7 +33,7 @@ AttitudeEstimate AttitudeFilter::estimate(std::int64_t t_ns) const noexcept {
                    mat(s_.unlearnt_rad2)));
     cov = s_.error.P().block<3, 3>(kTheta, kTheta) + mat(s_.iron_rad2) + mat(s_.jumps.doubt_rad2()) +
           mat(out.unexplained_rad2) + mat(s_.sums.theta_rad2);
-    cov.topLeftCorner<2, 2>().diagonal().array() += known_.acc_matrix_sd * known_.acc_matrix_sd + carried_rad2();
+    cov.topLeftCorner<2, 2>().diagonal().array() += known_.acc_matrix_sd * known_.acc_matrix_sd + s_.carried_rad2;
     // (A24) A stamp may mean either end of its reading's interval: half a step.
     const Vec3 late = params_.stamp_sd * s_.rate_bridge.usual_step_s() * (mat(s_.R_world_body) * vec(s_.rate_radps));
     cov += late * late.transpose();
@@ -60,15 +59,6 @@ AttitudeEstimate AttitudeFilter::estimate(std::int64_t t_ns) const noexcept {
         s_.unmagnetic_s < kMagneticMemory_s && !s_.turn_witness.denied() ? trusted : HeadingReference::kDisturbed;
   }
   return out;
-}
-
-/// (A38) As long as nobody knows the gyroscope's offset, and the body has not turned over: a force that goes with the
-/// body looks like gravity.
-double AttitudeFilter::carried_rad2() const noexcept {
-  const Vec3 up = mat(s_.R_world_body).row(2);
-  const auto offset2 = s_.error.P().block<3, 3>(kGyrBias, kGyrBias);
-  const double level2 = 0.5 * (offset2.trace() - up.dot(offset2 * up)), known2 = kKnownLevel_radps * kKnownLevel_radps;
-  return s_.motion_scale.carried_rad2() * s_.jumps.still() * level2 / (level2 + known2);
 }
 
 /// Between a magnetometer's first word and the first heading that can be trusted.

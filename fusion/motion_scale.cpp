@@ -110,12 +110,12 @@ void MotionScale::weigh(const std::array<double, 3>& force_mps2, double period_s
   log_odds_ = std::clamp(log_odds_, -kMostOdds, kMostOdds);
 }
 
-double MotionScale::carried_rad2() const noexcept {
+double MotionScale::carried_rad2(double level_bias_rad2ps2) const noexcept {
   const double g2 = kStandardGravity_mps2 * kStandardGravity_mps2;
-  const double odds = 1.0 / (1.0 + std::exp(-(log_odds_ + kVehicleOdds)));
-  const auto& f = mean_force_mps2_;
-  const double beyond_gravity = f[0] * f[0] + f[1] * f[1] + f[2] * f[2] - g2;
-  return (carried() ? std::max(0.5, odds) : odds) * std::max(kRide_mps2 * kRide_mps2, beyond_gravity) / (2.0 * g2);
+  const double unknown = level_bias_rad2ps2 / (level_bias_rad2ps2 + kKnownOffset_radps * kKnownOffset_radps);
+  const double by_force = vehicle(0.0, 0.0), of_vehicle = carried() ? std::max(0.5, by_force) : by_force;
+  const double ride2 = std::max(kRide_mps2 * kRide_mps2, vec(mean_force_mps2_).squaredNorm() - g2);
+  return unknown * of_vehicle * ride2 / (2.0 * g2);
 }
 
 MotionScale::Lean MotionScale::observe(const Seen& seen, const Usual& usual, double period_s) noexcept {

@@ -47,9 +47,10 @@ class MotionScale {
   /// horizontal and is called an acceleration, where the attitude leans. `tilt_rad2` is what else is known of the tilt.
   [[nodiscard]] Mat3 leaning_rad2(double tilt_rad2) const noexcept;
 
-  /// (A38) Variance of the tilt, per axis, of a body that may be carried: a vehicle's acceleration may last, and be
-  /// taken for gravity. For one that has not turned over and whose gyroscope's offset nobody knows.
-  [[nodiscard]] double carried_rad2() const noexcept;
+  /// (A38) Variance of the tilt, per axis, of a body that may be carried and has not turned over: a vehicle's
+  /// acceleration may last, and be taken for gravity, as far as nobody knows the gyroscope's offset across the
+  /// vertical, of this variance.
+  [[nodiscard]] double carried_rad2(double level_bias_rad2ps2) const noexcept;
 
   /// (A37) A rest has shown the gyroscope's offset, and it has not become unknown since.
   [[nodiscard]] bool offset_known() const noexcept { return offset_known_; }
@@ -78,9 +79,10 @@ class MotionScale {
   std::array<double, 3> mean_force_mps2_{};
   std::array<double, 2> lasting_force_mps2_{};  ///< over what no hand keeps up
   double force_s_ = 0.0;
-  double log_odds_ = 0.0;   ///< vehicle over leaning tilt
-  double excused_s_ = 0.0;  ///< for so long a lean had to excuse the surprise
-  bool rested_ = false, offset_known_ = false;
+  double log_odds_ = 0.0;      ///< vehicle over leaning tilt
+  double excused_s_ = 0.0;     ///< for so long a lean had to excuse the surprise
+  bool rested_ = false;        ///< ever
+  bool offset_known_ = false;  ///< since then, and excuses nothing
 };
 
 }  // namespace stillpoint::fusion

@@ -24,7 +24,7 @@ class OffsetJumps {
   /// Variance of the rotation by a jump that may have been and is not believed yet [rad^2, world axes].
   [[nodiscard]] const Array9& doubt_rad2() const noexcept { return doubt_rad2_; }
 
-  /// 1 of a body whose vertical has stayed within a degree or two for a window, 0 of one that turns over.
+  /// 1 of a body whose vertical has stood still for a window, 0 of one that has left it by eight degrees.
   [[nodiscard]] double still() const noexcept;
 
  private:

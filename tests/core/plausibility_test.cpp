@@ -146,7 +146,7 @@ TEST(Plausibility, RadiansTakenForDegreesShowWhenGravityTurnsAndTheGyroscopeDoes
   EXPECT_EQ(found[0].mistake, Mistake::kRadpsAsDegps);
 }
 
-/// What is found in `n` rows of a sensor that lies level, but for what `gyr_of(time in s, noise)` and `acc_x` say.
+/// What is found in `n` rows of a sensor that lies level, but for what `gyr_of(time in s, noise)` and `acc_x_of` say.
 template <class Rate, class Force>
 std::vector<Finding> lying_level(int n, std::int64_t period_ns, const Rate& gyr_of, const Force& acc_x_of) {
   PlausibilityCheck check;
