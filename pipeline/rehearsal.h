@@ -16,8 +16,9 @@ namespace stillpoint::pipeline {
 /// never early.
 class ArrivalForecast {
  public:
-  void arrived(std::int64_t t_ns) noexcept {
-    if (last_ns_ != 0) step_ns_ = usual(t_ns - last_ns_);
+  /// `count`: so many since the last one that was told.
+  void arrived(std::int64_t t_ns, std::int64_t count = 1) noexcept {
+    if (last_ns_ != 0) step_ns_ = usual((t_ns - last_ns_) / count);
     last_ns_ = t_ns;
     const std::int64_t late_ns = t_ns - next_ns_;
     next_ns_ = (late_ns > 0 && late_ns < step_ns_ / 2 ? next_ns_ + late_ns / 16 : t_ns) + step_ns_;
@@ -51,11 +52,17 @@ class Rehearsal {
   Rehearsal(const Stages& stages, double ahead_s) noexcept
       : copy_(stages), ahead_ns_(static_cast<std::int64_t>(1e9 * ahead_s)) {}
 
-  /// After a sample is dealt with. Sleeps in steps until shortly before the next one, with a run after each, and
-  /// returns then; at once when that time has passed.
-  void before_next(const Stages& stages, const RawSample& last, std::int64_t arrival_ns) noexcept {
+  /// After a sample is dealt with that the source was asked for at `asked_ns`. Sleeps in steps until shortly before the
+  /// next one, with a run after each, and returns then; at once when that time has passed. A sample that was there when
+  /// it was asked for came nobody knows when - a datagram's arrival is when it was read -, and others may wait behind
+  /// it.
+  void before_next(const Stages& stages, const RawSample& last, std::int64_t arrival_ns,
+                   std::int64_t asked_ns) noexcept {
     if (ahead_ns_ == 0) return;
-    forecast_.arrived(arrival_ns);
+    ++came_;
+    if (arrival_ns - asked_ns < ahead_ns_ / kWaitedFor) return;
+    forecast_.arrived(arrival_ns, came_);
+    came_ = 0;
     const auto next_ns = forecast_.next_ns();
     if (!next_ns || forecast_.step_ns() < kWorth * ahead_ns_) return;
     RawSample expected = last;
@@ -78,6 +85,8 @@ class Rehearsal {
   /// A processor that sleeps for less than this many leads stays warm enough; waking it more often would only add to
   /// the tail.
   static constexpr std::int64_t kWorth = 8;
+  /// A part of the lead, which is slept away in the kernel before a sample that comes as forecast.
+  static constexpr std::int64_t kWaitedFor = 4;
   /// The shorter the last sleep, the less is lost in it; but a sleep that follows a long one wakes late.
   static constexpr std::int64_t kSteps = 3;
 
@@ -91,6 +100,7 @@ class Rehearsal {
   Processed processed_;
   ArrivalForecast forecast_;
   std::int64_t ahead_ns_;
+  std::int64_t came_ = 0;  ///< since the last that was waited for
   std::uint64_t count_ = 0;
 };
 

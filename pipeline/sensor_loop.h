@@ -71,11 +71,12 @@ class SensorLoop {
   /// Returns when asked to stop, or at the end of the source if that is what the end means.
   void run(AtEnd at_end) noexcept {
     while (!shared_.stop.load(std::memory_order_relaxed)) {
+      const std::int64_t asked_ns = monotonic_ns();
       const SourceState state = source_.next(arrival_);
       if (state == SourceState::kSample) {
         handle();
         prepare(source_);
-        rehearsal_.before_next(stages_, arrival_.sample, arrival_.arrival_ns);
+        rehearsal_.before_next(stages_, arrival_.sample, arrival_.arrival_ns, asked_ns);
       } else if (state == SourceState::kGone || state == SourceState::kEnd) {
         change_state(state == SourceState::kGone ? SensorState::kGone : SensorState::kEnded);
         if (state == SourceState::kEnd && at_end == AtEnd::kStop) break;

@@ -83,7 +83,8 @@ TEST(Allocations, ARehearsalMakesNone) {
   const std::size_t before = bench::allocations();
   for (std::size_t i = 0; i < 100; ++i) {
     ASSERT_NE(stages.process(samples[i], processed, link), StageStatus::kDrop);
-    rehearsal.before_next(stages, samples[i], start_ns + static_cast<std::int64_t>(i) * 1'000'000);
+    const std::int64_t arrival_ns = start_ns + static_cast<std::int64_t>(i) * 1'000'000;
+    rehearsal.before_next(stages, samples[i], arrival_ns, arrival_ns - 500'000);
   }
   EXPECT_EQ(bench::allocations() - before, 0U);
   EXPECT_GT(rehearsal.count(), 10U);

@@ -139,6 +139,46 @@ TEST(Rehearsal, FollowsASensorThatBecomesFasterAtOnce) {
   EXPECT_EQ(forecast.next_ns(), t_ns + 1'000'000) << "a later one would delay the sample";
 }
 
+/// Readings that wait in a socket until they are asked for, a second at 100 Hz and one at 400 Hz; only when each was
+/// read is known, as of datagrams.
+class Socket {
+ public:
+  explicit Socket(std::vector<RawSample> samples) : samples_(std::move(samples)) {}
+  SourceState next(Arrival& out) noexcept {
+    if (at_ == 500) return SourceState::kEnd;
+    sleep_until_ns(due_ns(at_));
+    out = {samples_[at_], monotonic_ns(), {}};
+    out.sample.t_ns = due_ns(at_) - start_ns_ + 1;
+    if (++at_ == 400)
+      while (due_ns(at_ + waiting_) < out.arrival_ns) ++waiting_;
+    return SourceState::kSample;
+  }
+  [[nodiscard]] bool live() const noexcept { return true; }
+  /// Behind the 400th.
+  [[nodiscard]] std::size_t waiting() const noexcept { return waiting_; }
+
+ private:
+  [[nodiscard]] std::int64_t due_ns(std::size_t i) const noexcept {
+    const auto n = static_cast<std::int64_t>(i);
+    return start_ns_ + 10'000'000 * std::min<std::int64_t>(n, 100) + 2'500'000 * std::max<std::int64_t>(n - 100, 0);
+  }
+  std::vector<RawSample> samples_;
+  std::int64_t start_ns_ = monotonic_ns();
+  std::size_t at_ = 0, waiting_ = 0;
+};
+
+/// A forecast from when readings were read expects them as rarely as they are read.
+TEST(Rehearsal, LetsNothingWaitInASocketWhenItsSensorBecomesFaster) {
+  const auto shared = std::make_unique<Shared>();
+  Socket source(test::hand_samples(10.0));
+  Stages stages(StagesParams{}, CalibrationSnapshot{});
+  Collect sink;
+  SensorLoop<Socket, Collect> sensor(source, stages, sink, *shared, OnLateAnswer::kGoOn, 90e-6);
+  sensor.run(AtEnd::kStop);
+  EXPECT_LT(source.waiting(), 100U) << "a quarter of a second";
+  EXPECT_GT(sensor.rehearsals(), 50U) << "hardly ever rehearsed: the test would prove nothing";
+}
+
 TEST(Rehearsal, ExpectsNothingOfASensorThatIsRare) {
   ArrivalForecast forecast;
   for (int i = 0; i < 10; ++i) forecast.arrived(1 + i * 200'000'000L);
