@@ -3,8 +3,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cctype>
 #include <cmath>
+
+#include "diagnosis/discovery/open_numbers.h"
 
 namespace stillpoint::diag {
 namespace {
@@ -202,58 +203,11 @@ class Neighbours {
   std::vector<Idea> out_;
 };
 
-/// A number of the text that a law is free in: behind the comma of a function, or what an argument is divided by.
-struct OpenNumber {
-  std::string digits, name, unit;
-};
-
-/// The function in whose brackets `at` stands; empty: in plain brackets.
-std::string function_around(const std::string& text, std::size_t at) {
-  int depth = 0;
-  while (at > 0 && (text[--at] != '(' || depth > 0)) depth += text[at] == ')' ? 1 : text[at] == '(' ? -1 : 0;
-  std::size_t begin = at;
-  while (begin > 0 && std::isalpha(static_cast<unsigned char>(text[begin - 1])) != 0) --begin;
-  return text.substr(begin, at - begin);
-}
-
-OpenNumber named(const std::string& text, std::size_t at, std::string digits) {
-  const std::string function = function_around(text, at);
-  if (function == "lag" || function == "exp" || function == "log") return {std::move(digits), "tau", "s"};
-  if (function == "delay") return {std::move(digits), "delay", "s"};
-  if (function != "step") return {std::move(digits), function == "tanh" ? "level" : "width", ""};
-  if (text.substr(0, at).ends_with("step(t")) return {std::move(digits), "at", "s"};
-  return {std::move(digits), "threshold", ""};
-}
-
-std::vector<OpenNumber> open_numbers(const std::string& text) {
-  std::vector<OpenNumber> out;
-  for (const std::string lead : {", ", " / "})
-    for (std::size_t at = text.find(lead); at != std::string::npos; at = text.find(lead, at + 1)) {
-      const std::size_t from = at + lead.size(), to = text.find_first_not_of("0123456789.e-+", from);
-      std::string digits = text.substr(from, to - from);
-      const bool known =
-          std::any_of(out.begin(), out.end(), [&digits](const OpenNumber& n) { return n.digits == digits; });
-      if (digits.empty() || known || to == std::string::npos || text[to] != ')') continue;
-      out.push_back(named(text, at, std::move(digits)));
-    }
-  return out;
-}
-
-/// All the same numbers at once: a moment stands in a step and in what settles after it.
-std::string opened(std::string text, const std::string& digits) {
-  for (const std::string& before : {", " + digits + ")", " / " + digits + ")", "- " + digits + ")"})
-    for (std::size_t at = text.find(before); at != std::string::npos; at = text.find(before, at + 1))
-      text.replace(at + 2 + (before[1] == '/' ? 1 : 0), digits.size(), "{}");
-  return text;
-}
-
 }  // namespace
 
 std::vector<Idea> extensions(const Idea& best, double shape, const laws::Columns& drivers) {
   return Neighbours(best, shape, drivers).all();
 }
-
-std::size_t free_numbers(const Idea& idea, double shape) { return open_numbers(idea.text(0, shape)).size(); }
 
 std::vector<Idea> reopened(const Idea& best, double shape) {
   std::vector<Idea> out;
@@ -269,7 +223,8 @@ std::vector<Idea> reopened(const Idea& best, double shape) {
     std::sort(around.begin(), around.end());
     if (n.name == "at") std::erase_if(around, [](double t) { return t <= 0.0; });
     if (now == 0.0 || around.empty()) continue;
-    out.push_back({{opened(text, n.digits)}, n.name, n.unit, std::move(around), best.matrix, {}, best.steps});
+    out.push_back(
+        {{with_number(text, n.digits, "{}")}, n.name, n.unit, std::move(around), best.matrix, {}, best.steps});
   }
   return out;
 }

@@ -10,9 +10,6 @@ namespace stillpoint::diag {
 /// One step away from `best` with its number.
 [[nodiscard]] std::vector<Idea> extensions(const Idea& best, double shape, const laws::Columns& drivers);
 
-/// How many numbers its text is free in.
-[[nodiscard]] std::size_t free_numbers(const Idea& idea, double shape);
-
 /// `best` with its number fixed and one of the others open: time constants, thresholds, widths, moments.
 [[nodiscard]] std::vector<Idea> reopened(const Idea& best, double shape);
 

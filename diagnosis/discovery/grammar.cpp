@@ -59,6 +59,7 @@ class Ideas {
       if (!own) add(x), add("d(" + x + ")");
       add("abs(" + x + ")"), add(x + "^3"), add("sign(" + x + ")"), add("abs(" + x + ")^0.5"), add("d(" + x + ")^2");
       add(fmt::format("{0} * abs({0})", x));
+      thresholds(x);
       for (std::size_t b = a; b < components_.size(); ++b) add(fmt::format("{} * {}", x, components_[b]));
       for (const auto& y : components_)
         if (y[0] != x[0] || y == x) add(fmt::format("d({}) * {}", y, x));

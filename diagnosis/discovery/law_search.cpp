@@ -6,6 +6,7 @@
 
 #include "diagnosis/discovery/drivers.h"
 #include "diagnosis/discovery/extensions.h"
+#include "diagnosis/discovery/open_numbers.h"
 #include "diagnosis/discovery/table_term.h"
 #include "diagnosis/discovery/thinned.h"
 #include "diagnosis/reference/golden_section.h"
@@ -17,6 +18,8 @@ namespace {
 constexpr double kRows = 6000.0, kFewRows = 2500.0;  // looked at, of the first level and of the wider one
 constexpr std::size_t kShort = 5;                    // of each noise, to be judged
 constexpr std::size_t kShortToSee = 2;               // the same, to see whether there is anything to look for
+constexpr std::size_t kFinalists = 4;                // times those whose number is sought more closely before
+constexpr int kHalvings = 3;                         // of the grid's step, then
 constexpr std::size_t kShortFurther = 2, kBeam = 3;  // judged of each noise a step further; texts that are taken there
 constexpr std::size_t kMostSteps = 4;
 constexpr double kWorthExtending = 0.3;  // of the best one's net gain
@@ -90,6 +93,30 @@ struct LawSearch::Parts {
     return best;
   }
 
+  /// Its numbers between the points of its grid, next to where it says most: what is right but for a coarse number
+  /// must not lose to what is not.
+  void look_closer(const Idea& idea, std::vector<Look>& looks, const laws::Columns& drivers,
+                   std::span<const TermScan> scans) const {
+    const auto most = [](const std::vector<Look>& all) {
+      return *std::max_element(all.begin(), all.end(), [](const Look& a, const Look& b) { return a.net < b.net; });
+    };
+    double at = most(looks).shape;
+    const auto there = std::find(idea.shapes.begin(), idea.shapes.end(), at);
+    double low = there == idea.shapes.begin() ? at : *std::prev(there);
+    double high = std::next(there) == idea.shapes.end() ? at : *std::next(there);
+    Idea closer = idea;
+    for (int i = 0; i < kHalvings && low < high; ++i) {
+      closer.shapes = {0.5 * (low + at), 0.5 * (at + high)};
+      const std::vector<Look> seen = look(closer, looks.front().idea, drivers, scans);
+      for (std::size_t k = 0; k < looks.size(); ++k)
+        if (seen[k].net > looks[k].net) looks[k] = seen[k];
+      const double best = most(looks).shape;
+      low = best < at ? low : best > at ? at : closer.shapes[0];
+      high = best > at ? high : best < at ? at : closer.shapes[1];
+      at = best;
+    }
+  }
+
   [[nodiscard]] std::optional<Term> term(const Idea& idea, double shape, const laws::Columns& drivers) const {
     Term out{idea, shape, 0.0, {}};
     Found& f = out.found;
@@ -114,7 +141,7 @@ struct LawSearch::Parts {
     const double kept =
         1.0 - kShareOfAStep * static_cast<double>(t.idea.steps) - (t.idea.points.empty() ? 0.0 : kShareOfATable);
     return kept * t.found.gain_nats - charge(t.found.columns.size(), {}) - kNatsABit * t.bits -
-           kNatsAShape * static_cast<double>(free_numbers(t.idea, t.shape));
+           kNatsAShape * static_cast<double>(open_numbers(t.idea.text(0, t.shape)).size());
   }
 };
 
@@ -137,14 +164,22 @@ void keep_best(std::vector<Look>& all, std::size_t count) {
 /// The best so many of the ideas under each noise, each once.
 std::vector<Look> LawSearch::Parts::best(const std::vector<Idea>& all, std::size_t from, std::size_t count,
                                          const Rows& rows, std::span<const TermScan> noises) const {
-  std::vector<std::vector<Look>> by_noise(noises.size());
-  for (std::size_t i = from; i < all.size(); ++i) {
-    const std::vector<Look> looks = look(all[i], i, rows.drivers, noises);
-    for (std::size_t k = 0; k < noises.size(); ++k) by_noise[k].push_back(looks[k]);
-  }
+  std::vector<std::vector<Look>> looks;
+  for (std::size_t i = from; i < all.size(); ++i) looks.push_back(look(all[i], i, rows.drivers, noises));
+  const auto best_under = [&looks](std::size_t noise, std::size_t most) {
+    std::vector<Look> list;
+    for (const auto& of_idea : looks) list.push_back(of_idea[noise]);
+    keep_best(list, most);
+    return list;
+  };
+  std::set<std::size_t> finalists;
+  for (std::size_t k = 0; k < noises.size(); ++k)
+    for (const Look& l : best_under(k, kFinalists * count)) finalists.insert(l.idea);
+  for (const std::size_t i : finalists)
+    if (all[i].shapes.size() > 1) look_closer(all[i], looks[i - from], rows.drivers, noises);
   std::vector<Look> out;
-  for (auto& list : by_noise) {
-    keep_best(list, count);
+  for (std::size_t k = 0; k < noises.size(); ++k) {
+    const std::vector<Look> list = best_under(k, count);
     for (const Look& l : list) {
       const auto same = [&l](const Look& o) { return o.idea == l.idea && o.shape == l.shape; };
       if (std::none_of(out.begin(), out.end(), same)) out.push_back(l);

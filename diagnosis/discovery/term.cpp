@@ -2,6 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
+#include "diagnosis/discovery/open_numbers.h"
 #include "diagnosis/discovery/table_term.h"
 #include "diagnosis/discovery/term_scan.h"
 
@@ -22,6 +25,35 @@ void as_table(const std::vector<double>& points, Sensor sensor, Found& f) {
       f.names.push_back(fmt::format("y_{}({:.4g})", axis, points[at]));
   f.unit = kSensorUnit[sensor];
   f.units.assign(f.names.size(), f.unit);
+}
+
+/// Of what is compared with this number, or divided by it.
+std::string unit_beside(const laws::Node& n, double number) {
+  using enum laws::Op;
+  const bool own = n.args.size() == 2 && n.args[1].op == kNumber && n.args[1].number == number;
+  if (own && (n.op == kLag || n.op == kDelay)) return "s";
+  if (own && (n.op == kStep || n.op == kPlay || n.op == kDivide)) return laws::text(n.args[0].unit);
+  for (const laws::Node& a : n.args)
+    if (std::string unit = unit_beside(a, number); !unit.empty()) return unit;
+  return "";
+}
+
+/// The numbers inside of a formula, each with a name of its own.
+std::vector<InnerNumber> inner_numbers(const laws::Node& tree, const std::string& text, bool matrix,
+                                       const std::shared_ptr<const laws::Columns>& drivers) {
+  std::vector<InnerNumber> out;
+  for (const OpenNumber& n : open_numbers(text)) {
+    const auto alike =
+        std::count_if(out.begin(), out.end(), [&n](const auto& o) { return o.name.starts_with(n.name); });
+    const double value = std::stod(n.digits);
+    out.push_back({alike > 0 ? fmt::format("{}_{}", n.name, alike + 1) : n.name, unit_beside(tree, value), value,
+                   [text, digits = n.digits, matrix, drivers](double x) {
+                     const std::string other = with_number(text, digits, fmt::format("{:.15g}", x));
+                     return columns_of_value(laws::evaluate(*laws::parse(other, signature_of(*drivers)), *drivers),
+                                             matrix);
+                   }});
+  }
+  return out;
 }
 
 }  // namespace
@@ -58,15 +90,7 @@ std::vector<Found> effects_of(const Term& term, Sensor sensor, const std::shared
     const std::string of = laws::text(tree->unit);
     f.unit = of == "1" ? std::string(kSensorUnit[sensor]) : std::string(kSensorUnit[sensor]) + " per " + of;
     f.units.assign(count, f.unit);
-    if (!term.idea.shape_name.empty()) {
-      f.shape_name = term.idea.shape_name;
-      f.shape_unit = term.idea.shape_unit;
-      if (f.shape_name == "tau")
-        f.at_shape = [idea = term.idea, part, drivers, signature](double shape) {
-          const auto at = laws::parse(idea.text(part, shape), signature);
-          return columns_of(idea, laws::evaluate(*at, *drivers));
-        };
-    }
+    f.inner = inner_numbers(*tree, text, term.idea.matrix, drivers);
     out.push_back(std::move(f));
   }
   return out;

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "diagnosis/reference/fitted_matrix.h"
+#include "diagnosis/reference/inner_numbers.h"
 
 namespace stillpoint::diag {
 namespace {
@@ -17,60 +18,6 @@ constexpr double kChiSquare20_999 = 45.31;
 double estimated_colour(const Target& t, const Columns& columns) {
   const double q = static_cast<double>(t.nuisance.cols()) + static_cast<double>(columns.size()) / 3.0;
   return std::sqrt(1.0 + 2.0 * t.layout.order * (q + 2.0) / std::max(t.layout.used(), 1.0));
-}
-
-/// Deviations from fits that leave out one tenth of the recording each (delete-a-group jackknife: Kott 2001): they hold
-/// what a law itself gets wrong from one stretch to the next.
-Eigen::VectorXd jackknife_sd(const Target& t, const Columns& columns, const NoiseModel& noise,
-                             const std::array<double, 3>& walk_q) {
-  constexpr Eigen::Index kGroups = 10;
-  constexpr double kStudent = 2.262 / 1.960;  // ten groups know their own scatter to nine degrees of freedom
-  const auto p = static_cast<Eigen::Index>(columns.size());
-  Eigen::MatrixXd theta(p, kGroups);
-  for (Eigen::Index g = 0; g < kGroups; ++g) {
-    Target part = t;
-    const Eigen::Index begin = g * t.layout.n / kGroups, end = (g + 1) * t.layout.n / kGroups;
-    part.layout.counts.segment(begin, end - begin).setZero();
-    theta.col(g) = fit_with(part, columns, noise, walk_q).theta;
-  }
-  const Eigen::VectorXd mean = theta.rowwise().mean();
-  const double share = static_cast<double>(kGroups - 1) / static_cast<double>(kGroups);
-  return kStudent * (share * (theta.colwise() - mean).rowwise().squaredNorm()).cwiseSqrt();
-}
-
-/// A coefficient and the time constant of its law are known together only: each time constant's tangent joins the
-/// columns, so that what it could still move widens the intervals of the coefficients.
-void free_the_shapes(const SensorSearch& search, const Target& t, Finished& out) {
-  out.shape_sd = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(search.found.size()));
-  Columns columns = search.explained();
-  const auto p = static_cast<Eigen::Index>(columns.size());
-  std::vector<Eigen::Index> shaped;
-  for (std::size_t i = 0; i < search.found.size(); ++i) {
-    const Found& f = search.found[i];
-    if (f.shape_sd > 0) out.shape_sd[static_cast<Eigen::Index>(i)] = f.shape_sd;
-    // A level of clipping has a shape too, but its likelihood has a kink at every sample.
-    if (!f.at_shape || f.shape_unit != "s") continue;
-    const double h = 1e-3 * f.shape;
-    const Columns up = f.at_shape(f.shape + h), down = f.at_shape(f.shape - h);
-    Column tangent{-1, Eigen::MatrixXd::Zero(t.layout.n, 3)};
-    for (std::size_t j = 0; j < up.size(); ++j)
-      for (int axis = 0; axis < 3; ++axis)
-        if (const auto x = shown_in(up[j], axis))
-          tangent.x.col(axis) += out.fit.theta[first_column(search, i) + static_cast<Eigen::Index>(j)] *
-                                 (*x - *shown_in(down[j], axis)) / (2.0 * h);
-    columns.push_back(std::move(tangent));
-    shaped.push_back(static_cast<Eigen::Index>(i));
-  }
-  if (shaped.empty()) return;
-  const NoiseModel noise(t.layout, out.fit.leftover);
-  const Fit wide = fit_with(t, columns, noise, out.fit.walk_q);
-  Eigen::VectorXd sd = wide.covariance.diagonal().cwiseMax(0.0).cwiseSqrt();
-  // When an estimator on board believes in a rest is its own secret, and every rest goes a little its own way.
-  const auto behind_tracker = [](const Found& f) { return f.shape_name == kTrackerShape; };
-  if (std::any_of(search.found.begin(), search.found.end(), behind_tracker))
-    sd = sd.cwiseMax(jackknife_sd(t, columns, noise, out.fit.walk_q));
-  out.sd = sd.head(p);
-  for (std::size_t k = 0; k < shaped.size(); ++k) out.shape_sd[shaped[k]] = sd[p + static_cast<Eigen::Index>(k)];
 }
 
 /// A lever along the axis of a turntable may be of 300 m: it does nothing there, and would ruin every other motion. A
@@ -112,11 +59,13 @@ Finished finish(const SensorSearch& search) {
   if (out.walk_gain_nats > 0) out.fit = std::move(walking);
   out.values = out.fit.theta;
   out.sd = out.fit.covariance.diagonal().cwiseMax(0.0).cwiseSqrt();
-  free_the_shapes(search, t, out);
+  free_inner_numbers(search, t, out);
   const Eigen::MatrixXd robust =
       robust_covariance(t, explained, NoiseModel(t.layout, out.fit.leftover), out.fit.walk_q);
   if (robust.size() > 0) out.sd = out.sd.cwiseMax(robust.diagonal().cwiseMax(0.0).cwiseSqrt());
   out.sd *= estimated_colour(t, explained);
+  for (auto& numbers : out.inner_sd)
+    for (auto& [name, sd] : numbers) sd *= estimated_colour(t, explained);
   hold_what_is_not_told(search, out);
   for (std::size_t i = 0; i < search.found.size(); ++i)
     if (search.found[i].timing.size())

@@ -8,10 +8,10 @@ namespace stillpoint::diag {
 /// The finished model of one sensor: every found effect with the noise estimated beside it.
 struct Finished {
   Fit fit;
-  Eigen::VectorXd values;       ///< per explained column: coefficient, or timing parameter
-  Eigen::VectorXd sd;           ///< of the values, the time constants of their laws free
-  Eigen::VectorXd shape_sd;     ///< per effect: of its time constant; 0 where it has none
-  double walk_gain_nats = 0.0;  ///< what a random walk adds
+  Eigen::VectorXd values;                               ///< per explained column: coefficient, or timing parameter
+  Eigen::VectorXd sd;                                   ///< of the values, the time constants of their laws free
+  std::vector<std::map<std::string, double>> inner_sd;  ///< per effect, by name: of the numbers inside of its law
+  double walk_gain_nats = 0.0;                          ///< what a random walk adds
 };
 [[nodiscard]] Finished finish(const SensorSearch& search);
 

@@ -8,6 +8,7 @@
 
 #include "diagnosis/certainty.h"
 #include "diagnosis/discovery/law_words.h"
+#include "diagnosis/discovery/open_numbers.h"
 #include "diagnosis/reference/clock_of_rows.h"
 #include "diagnosis/reference/columns.h"
 #include "diagnosis/reference/curves.h"
@@ -61,10 +62,16 @@ void parameters_of(const SensorSearch& search, std::size_t index, const Finished
   const Eigen::Index first = first_column(search, index);
   for (std::size_t j = 0; j < f.names.size() && j < f.columns.size(); ++j)
     out.parameters.push_back(number_of(finished, first + static_cast<Eigen::Index>(j), f.names[j], f.units[j]));
+  const auto inner = [&](const std::string& name, double value, double sd, const std::string& unit) {
+    out.parameters.push_back({name, value, {value - 1.96 * sd, value + 1.96 * sd}, unit});
+  };
+  const std::map<std::string, double>& sd = finished.inner_sd[index];
+  for (const InnerNumber& n : f.inner)
+    if (sd.contains(n.name)) inner(n.name, n.value, sd.at(n.name), n.unit);
   if (f.shape_name.empty()) return;
-  const double half = 1.96 * finished.shape_sd[static_cast<Eigen::Index>(index)];
-  if (half == 0.0 && is_unknown(f.id)) return;  // the formula has it; how well it is known was not looked for
-  out.parameters.push_back({f.shape_name, f.shape, {f.shape - half, f.shape + half}, f.shape_unit});
+  const auto free = sd.find(f.shape_name);
+  if (free == sd.end() && f.shape_sd == 0.0 && is_unknown(f.id)) return;  // the formula has it, known or not
+  inner(f.shape_name, f.shape, free == sd.end() ? f.shape_sd : free->second, f.shape_unit);
 }
 
 /// Names that come so close that this recording cannot exclude them, and the best that it can.
@@ -80,7 +87,7 @@ void rivals_of(const Found& f, Finding& out) {
         out.weighed.push_back({law_text(r.id), laws::complexity_bits(*law), r.gain_nats, r.net_nats});
     }
   for (const Ranked& r : f.rivals) {
-    if (r.id == f.id || r.id.ends_with("_world") ||
+    if (form_of(r.id) == form_of(f.id) || r.id.ends_with("_world") ||
         std::find(out.equivalent.begin(), out.equivalent.end(), r.id) != out.equivalent.end())
       continue;
     const bool tie = r.net_nats > ranked->net_nats - tie_nats(f.window) && !is_unknown(r.id);

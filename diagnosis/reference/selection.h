@@ -16,6 +16,13 @@ struct Ranked {
   double gain_nats = 0.0, net_nats = 0.0;
 };
 
+/// A number inside of a law that it is as free in as in its coefficients: a time constant, a moment, a threshold.
+struct InnerNumber {
+  std::string name, unit;
+  double value = 0.0;
+  std::function<Columns(double)> columns;  ///< of the law with another one
+};
+
 /// One effect as found, refined and fitted.
 struct Found {
   std::string id;
@@ -29,6 +36,7 @@ struct Found {
   std::vector<std::string> names, units;          ///< of the coefficients
   Columns columns;                                ///< linear part: the law's columns, or the tangent of a timing law
   Series3 offset;                                 ///< timing: the predicted residual at `timing`; empty: none
+  std::vector<InnerNumber> inner;                 ///< of a discovered law
   Eigen::VectorXd timing;                         ///< parameters of a timing law
   std::function<bool(const Eigen::VectorXd&)> possible;  ///< parameters of a timing law that a sensor can have
   double gain_nats = 0.0;                                ///< log-likelihood over the model without it
