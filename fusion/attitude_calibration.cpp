@@ -1,6 +1,7 @@
 /// What the filter makes of a calibration: how far it can be trusted, and what changes with another one.
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "core/units.h"
 #include "fusion/attitude_filter.h"
@@ -31,9 +32,28 @@ void AttitudeFilter::take_gyr_matrix(const TriadCalibration& gyr) noexcept {
   inject();
 }
 
+/// (A40) Many attitudes have told the calibration of the offset: of what is left, and of the tilt that was taken for
+/// it, it knows more than the filter. Taken as in (A35).
+void AttitudeFilter::take_acc_bias(const TriadCalibration& acc) noexcept {
+  constexpr double kSurer = 0.25, kContradicts = 9.0;
+  if (acc.bias_covariance == Array9{} || !s_.has_attitude || s_.denied_s > 0.0) return;
+  const Mat3 stated = mat(acc.matrix) * mat(acc.bias_covariance) * mat(acc.matrix).transpose();
+  for (int i = 0; i < 3; ++i) {
+    const int at = kAccBias + i;
+    const double off = s_.x.acc_bias_mps2[static_cast<std::size_t>(i)], known2 = s_.error.P()(at, at);
+    const bool contradicts = off * off > kContradicts * (known2 + stated(i, i));
+    if (stated(i, i) > kSurer * known2 && !contradicts) continue;
+    if (contradicts) s_.error.forget(at, off * off);
+    s_.error.update(at, -off, stated(i, i));
+  }
+  inject();
+}
+
 void AttitudeFilter::know(const CalibrationSnapshot& calibration) noexcept {
+  // Gravity's length tells a matrix but for a turn: how the sensor sits in its housing stays as little known as it was.
   if (calibration.acc.status == CalibrationStatus::kOk && calibration.acc.norm_sd > 0.0)
-    known_.acc_matrix_sd = std::min(params_.acc_matrix_sd, calibration.acc.norm_sd / kStandardGravity_mps2);
+    known_.acc_matrix_sd = std::min(params_.acc_matrix_sd, std::hypot(calibration.acc.norm_sd / kStandardGravity_mps2,
+                                                                      params_.acc_matrix_sd / std::numbers::sqrt2));
   if (calibration.gyr.matrix_sd == Array9{}) return;
   for (int i = 0; i < kOfGyrMatrix; ++i)
     known_.gyr_matrix_sd[static_cast<std::size_t>(i)] =
@@ -57,6 +77,11 @@ void AttitudeFilter::rebase(const CalibrationSnapshot& from, const CalibrationSn
     M = Mat3::Identity() - gain;
     vec(s_.x.gyr_bias_radps) += gain * c;
     take_gyr_matrix(to.gyr);
+  }
+  if (change(from.acc, to.acc, K, c)) {
+    const Vec3 force = kStandardGravity_mps2 * mat(s_.R_world_body).row(2).transpose() + vec(s_.x.acc_bias_mps2);
+    vec(s_.x.acc_bias_mps2) += K * force + c - force;
+    take_acc_bias(to.acc);
   }
   if (change(from.mag, to.mag, K, c)) {
     const Vec3 before = K * s_.hard_iron.body_uT(params_.hard_iron) + c;  // in the new readings

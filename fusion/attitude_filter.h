@@ -263,6 +263,7 @@ class AttitudeFilter {
   void hear_witnesses(double time_s) noexcept;
   void judge_jumps(double time_s) noexcept;
   void measure_rest(double time_s) noexcept;
+  void arrive() noexcept;
   void doubt_offset() noexcept;
   void forget_tilt(double lean2) noexcept;
   void relearn_bias(const Vec3& rate_radps) noexcept;
@@ -277,6 +278,7 @@ class AttitudeFilter {
   [[nodiscard]] ErrorVector taught_by_heading(const HeadingReading& reading, double expected_rad2) const noexcept;
   void measure_heading(const HeadingReading& reading, double time_s) noexcept;
   void inject() noexcept;
+  void take_acc_bias(const TriadCalibration& acc) noexcept;
   void take_gyr_matrix(const TriadCalibration& gyr) noexcept;
   [[nodiscard]] AttitudeEstimate estimate(std::int64_t t_ns) const noexcept;
 

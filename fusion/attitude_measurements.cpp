@@ -169,6 +169,16 @@ void AttitudeFilter::measure_rest(double time_s) noexcept {
     s_.error.update(kVelocity + i, -s_.x.velocity_mps[at], speed2);
     s_.error.update(kGyrBias + i, rate(i), rate2);
   }
+  arrive();
+}
+
+/// (A39) Where it rests is where it is bounded to from here on. A ride ends far from where it began, and the bound of
+/// that place would go on pulling tilt and offsets, against which a rest has nothing to say as they cancel.
+void AttitudeFilter::arrive() noexcept {
+  for (int i = 0; i < 3; ++i) {
+    s_.x.position_m[static_cast<std::size_t>(i)] = -s_.error.mean()(kPosition + i);
+    s_.error.forget(kPosition + i, params_.motion_radius_m * params_.motion_radius_m);
+  }
 }
 
 /// A velocity that the rest contradicts was made by a tilt further off than its variance says. Its correlations with

@@ -138,8 +138,9 @@ class Stages {
     late_ = false;
     schedule_.taken(*due);
     if (answer->snapshot.version == live().version) return;
-    filter_.rebase(live(), answer->snapshot);
+    const CalibrationSnapshot before = correct_.in_force();
     correct_.use(answer->snapshot);
+    filter_.rebase(before, correct_.in_force());
     assemble_.use(answer->snapshot.gyr);
   }
 

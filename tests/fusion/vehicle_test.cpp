@@ -250,6 +250,9 @@ TEST(Vehicle, OneThatWasSeenAtRestKeepsItsTilt) {
 /// What the ride seemed to teach of the offsets, and of a velocity that was untrue, does not tilt the rest after it.
 TEST(Vehicle, ItsRestIsLevel) { EXPECT_LT(ride<Train>(4000, 3250).tilt_deg, 0.85); }  // 1.4 where it does
 
+/// (A39) Half a mile from where it began, and the longer it stands there the more would the bound of the place tilt it.
+TEST(Vehicle, NothingPullsItBackFromWhereItRests) { EXPECT_LT(ride<Train>(4750, 4500).tilt_deg, 0.5); }
+
 /// (A38) Nobody can tell it from one that leans by six degrees.
 class LeftAlready : public Train {
  public:
